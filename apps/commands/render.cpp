@@ -22,7 +22,7 @@ namespace {
 ///
 /// edit  is kept only if further frames need it
 AutoLitScene build(const RenderOptions& o, LoadedScene& loaded, RenderPlan& plan, std::optional<SceneEdit>& edit,
-               Reporter& reporter, Warnings& warnings)
+                   Reporter& reporter, Warnings& warnings)
 {
     AutoLitScene lit = [&] {
         const Reporter::Phase phase(reporter, "build", "building " + o.scene.file.string());

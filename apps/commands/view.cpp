@@ -35,7 +35,8 @@ struct ViewOptions {
 void check_view_memory(const ViewOptions& o, const LoadedScene& loaded, const RenderSettings& settings)
 {
     std::vector<MemoryEstimate> needs = estimate_memory(loaded.description, loaded.build.value_or(TreeBuild::standard));
-    for (MemoryEstimate& need : film_memory(settings, {.has_checkpoint = true}, o.images)) needs.push_back(std::move(need));
+    for (MemoryEstimate& need : film_memory(settings, {.has_checkpoint = true}, o.images))
+        needs.push_back(std::move(need));
     check_memory(o.scene.file.string(), std::move(needs));
 }
 

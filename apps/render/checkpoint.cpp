@@ -7,7 +7,7 @@
 
 #include "commands/commands.h"
 #include "fathom/error.h"
-#include "fathom/scene_parts.h"
+#include "fathom/scene_digest.h"
 #include "options/image_options.h"
 #include "options/sample_plan.h"
 
@@ -126,7 +126,7 @@ std::string difference(const FilmKey& job, const FilmFile& generation, const std
     if (now.substr(0, scene_digits) != before.substr(0, scene_digits)) {
         const auto found = generation.attributes().find(parts_attribute);
         const std::string changed =
-            found == generation.attributes().end() ? "" : scene_parts_difference(found->second, parts);
+            found == generation.attributes().end() ? "" : scene_digest_difference(found->second, parts);
         words.push_back(!changed.empty() ? changed : "shapes, placement, or the contents of an image file");
     } else if (now != before) {
         words.emplace_back("the camera");

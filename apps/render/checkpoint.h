@@ -14,7 +14,7 @@
 
 namespace fathom::cli {
 
-/// Attribute of checkpoints that holds scene_parts.
+/// Attribute of checkpoints that holds scene_digest.
 inline constexpr const char* parts_attribute = "fathom.scene_parts";
 
 /// The file of a rank's own samples: `a.rank3.exr` beside the checkpoint `a.exr`, which rank 0 writes.
@@ -41,7 +41,7 @@ public:
     /// the previous one is used. Throws Error if the file is no film file, is of another render, is damaged in both
     /// generations, or has samples outside of `wanted`.
     ///
-    /// parts  scene_parts of the scene
+    /// parts  scene_digest of the scene
     Film open(const RenderJob& job, SampleRange wanted, const std::string& parts);
     /// Whether files of ranks were merged, and are still to be removed.
     bool has_rank_files() const { return !rank_files_.empty(); }

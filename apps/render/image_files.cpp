@@ -58,7 +58,7 @@ bool write_images(const ImageOptions& options, const Image& image, const Film* s
                   Reporter& reporter)
 {
     bool all_written = true;
-    const Image shown = shown_picture(image);
+    const Image shown = display_image(image);
     for (const auto& file : options.outputs) {
         const auto write_to = [&](const fs::path& target) {
             if (is_exr(file) && sums)

@@ -111,7 +111,7 @@ std::map<std::string, std::string> ImageWriter::checkpoint_attributes(const Film
 {
     std::map<std::string, std::string> attributes = image_attributes(plan_, film, summary);
     if (plan_.samples.part) add_part_progress(film, samples_per_s, attributes);
-    attributes[parts_attribute] = plan_.scene_parts;
+    attributes[parts_attribute] = plan_.scene_digest;
     return attributes;
 }
 

@@ -5,7 +5,7 @@
 
 #include "distributed/ranks/ranks.h"
 #include "fathom/memory.h"
-#include "fathom/scene_parts.h"
+#include "fathom/scene_digest.h"
 #include "render/film_memory.h"
 #include "render/series.h"
 
@@ -116,7 +116,7 @@ RenderPlan make_plan(const RenderOptions& o, const LoadedScene& loaded, std::opt
     check_memory(file, plan_memory(o, plan, loaded.build.value_or(TreeBuild::standard)));
     check_outputs(o, plan.settings.width, plan.settings.height);
     plan.samples = resolve_samples(o.samples, hints, file, default_render_samples);
-    if (!o.checkpoint.file.empty()) plan.scene_parts = scene_parts(loaded.description);
+    if (!o.checkpoint.file.empty()) plan.scene_digest = scene_digest(loaded.description);
     if (!plan.has_guiding_option) plan.settings.guiding = guiding_pays(plan);
     report_added(loaded, reporter);
     return plan;

@@ -21,7 +21,7 @@ struct RenderPlan {
     SampleRequest samples{};
     FilmOptions film{};
     CheckpointOptions checkpoint{};
-    std::string scene_parts{};           ///< digest of the scene, for checkpoints
+    std::string scene_digest{};          ///< digest of the scene, for checkpoints
     std::optional<Denoiser> denoiser{};  ///< at rank 0
     Ranks* ranks = nullptr;              ///< the ranks that render together; nullptr: this process renders alone
     bool has_guiding_option = false;     ///< else a rule decided settings.guiding

@@ -222,7 +222,7 @@ void add_framing_camera(LoadedScene& loaded, const SceneOptions& options)
     if (options.turntable) {
         const Bounds bounds = complete.bounds ? *complete.bounds : world_bounds(scene);
         if (!bounds.empty) loaded.middle = (bounds.min + bounds.max) * 0.5;
-        complete.turned_about = loaded.middle;
+        complete.orbit_center = loaded.middle;
     }
     const std::size_t cameras = scene.cameras.size();
     loaded.added = complete_scene(scene, complete).added;
@@ -292,7 +292,7 @@ SceneEdit make_edit(LoadedScene& loaded, const SceneOptions& options)
 }
 
 AutoLitScene compile_with_light(SceneEdit& edit, const LoadedScene& loaded, const SceneOptions& options,
-                            const RenderSettings& settings, Warnings& warnings)
+                                const RenderSettings& settings, Warnings& warnings)
 {
     if (options.light == LightChoice::studio && !options.environment.empty())
         throw UsageError("--light studio, --env: give one of them");
@@ -300,8 +300,8 @@ AutoLitScene compile_with_light(SceneEdit& edit, const LoadedScene& loaded, cons
                        make_ground(edit.description(), loaded, options, settings));
 }
 
-void apply_light(const AutoLitScene& lit, const ImageOptions& options, RenderSettings& settings, DisplayTransform& display,
-                 Reporter& reporter)
+void apply_light(const AutoLitScene& lit, const ImageOptions& options, RenderSettings& settings,
+                 DisplayTransform& display, Reporter& reporter)
 {
     if (!lit.added.empty()) reporter.note(fmt::format("light: added {}", fmt::join(lit.added, ", ")));
     if (lit.exposure_ev && !options.exposure_ev) display.exposure_ev = *lit.exposure_ev;

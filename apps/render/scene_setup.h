@@ -37,10 +37,10 @@ SceneEdit make_edit(LoadedScene& loaded, const SceneOptions& options);
 ///
 /// settings  say which backdrop the ground fades into
 AutoLitScene compile_with_light(SceneEdit& edit, const LoadedScene& loaded, const SceneOptions& options,
-                            const RenderSettings& settings, Warnings& warnings);
+                                const RenderSettings& settings, Warnings& warnings);
 /// Reports which light was added, and applies its exposure and backdrop unless options say otherwise.
-void apply_light(const AutoLitScene& lit, const ImageOptions& options, RenderSettings& settings, DisplayTransform& display,
-                 Reporter& reporter);
+void apply_light(const AutoLitScene& lit, const ImageOptions& options, RenderSettings& settings,
+                 DisplayTransform& display, Reporter& reporter);
 
 /// Moves animation and camera to another time.
 void set_time(SceneEdit& edit, const LoadedScene& loaded, const SceneOptions& options, double time_s);

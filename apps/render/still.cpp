@@ -15,7 +15,7 @@ int render_image(const RenderPlan& plan, const ImageOptions& files, const Render
     if (plan.ranks) return render_over_ranks(plan, files, job, summary, reporter);
     std::optional<Checkpoint> checkpoint;
     if (!plan.checkpoint.file.empty()) checkpoint.emplace(plan.checkpoint, reporter);
-    Film film = checkpoint ? checkpoint->open(job, plan.samples.range, plan.scene_parts) : Film(job);
+    Film film = checkpoint ? checkpoint->open(job, plan.samples.range, plan.scene_digest) : Film(job);
     const std::uint64_t samples_before = film.samples_per_pixel();
 
     ImageWriter images(plan, files, reporter);

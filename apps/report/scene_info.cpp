@@ -241,7 +241,7 @@ ordered_json hints_json(const RenderHints& hints)
 void add_compiled(ordered_json& info, const SceneDescription& scene, Warnings& warnings)
 {
     try {
-        const SceneStatistics statistics = Scene::compile(scene, "", warnings).statistics();
+        const CompileStatistics statistics = Scene::compile(scene, "", warnings).statistics();
         info["compiled"] = {{"triangles", statistics.triangles},       {"primitives", statistics.primitives},
                             {"instances", statistics.instances},       {"lights", statistics.lights},
                             {"memory_bytes", statistics.memory_bytes}, {"build_s", statistics.build_s}};

@@ -371,7 +371,7 @@ void Renderer::save_image(const std::string& stem)
     if (work_.denoise) denoised_.add_to(image);
     WriteOptions options;
     options.display = work_.scale.transform;
-    write_image(name + ".png", shown_picture(image), options);
+    write_image(name + ".png", display_image(image), options);
     write_image(name + ".exr", image, options);
     post_message(fmt::format("saved {0}.png and {0}.exr", name));
 }

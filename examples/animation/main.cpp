@@ -74,7 +74,7 @@ try {
         fathom::WriteOptions options;
         options.display.tonemap = fathom::Tonemap::khronos_neutral;
         fathom::write_image(prefix + number + ".png", film.image(false, false), options);
-        std::printf("%s%s.png%s\n", prefix.c_str(), number, edit.compiled_anew() ? ": the whole scene compiled" : "");
+        std::printf("%s%s.png%s\n", prefix.c_str(), number, edit.recompiled() ? ": the whole scene compiled" : "");
     }
 } catch (const fathom::Error& error) {
     std::fprintf(stderr, "%s\n", error.what());

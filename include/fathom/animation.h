@@ -94,7 +94,7 @@ struct DeformedMesh {
 };
 
 /// A node that may vanish, with all that it has while it is seen.
-struct HidingNode {
+struct VisibilityNode {
     int node = -1;
     int owner = -1;  ///< it is seen while this node and those above are: itself, or whose skin it shows
     Node contents;
@@ -107,11 +107,11 @@ struct AnimationRig {
     std::vector<int> parents;     ///< of these, -1 for none
     std::vector<Skin> skins;
     std::vector<DeformedMesh> meshes;
-    std::vector<HidingNode> hiding;
+    std::vector<VisibilityNode> hiding;
 };
 
 /// What is elsewhere or otherwise at a time.
-struct ScenePose {
+struct AnimationPose {
     struct Vertices {
         int mesh = -1;
         std::vector<Vec3f> positions, normals;
@@ -143,14 +143,14 @@ public:
     /// shutter_s  how long from then on what moves is blurred: Node::motion and Mesh::motion of the times 0 to
     /// shutter_s,
     ///            which the camera's shutter then is to have
-    ScenePose pose(double time_s, double shutter_s = 0) const;
+    AnimationPose pose(double time_s, double shutter_s = 0) const;
 
 private:
-    ScenePose still(double time_s) const;
+    AnimationPose still(double time_s) const;
     bool is_carried(int node) const;
     std::vector<Transform> skin_transforms(const Skin& skin, const std::vector<Transform>& transforms) const;
-    ScenePose::Vertices bent(const DeformedMesh& mesh, const std::vector<float>& weights,
-                             const std::vector<Transform>& transforms) const;
+    AnimationPose::Vertices bent(const DeformedMesh& mesh, const std::vector<float>& weights,
+                                 const std::vector<Transform>& transforms) const;
 
     AnimationRig rig_;
     std::size_t animation_;
@@ -160,6 +160,6 @@ private:
 };
 
 /// Brings a scene into a pose. With SceneEdit: SceneEdit::set_pose.
-FATHOM_API void set_pose(SceneDescription& scene, ScenePose pose);
+FATHOM_API void set_pose(SceneDescription& scene, AnimationPose pose);
 
 }  // namespace fathom

@@ -40,6 +40,6 @@ private:
 
 /// What formats of one layer show of it: the layer "denoised", if there is one, in the place of the first, whose alpha
 /// stays.
-FATHOM_API Image shown_picture(const Image& image);
+FATHOM_API Image display_image(const Image& image);
 
 }  // namespace fathom

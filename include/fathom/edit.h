@@ -53,7 +53,7 @@ public:
     /// Of all cameras, in seconds.
     void set_shutter(double open, double close);
     /// All of a pose at once.
-    void set_pose(ScenePose pose);
+    void set_pose(AnimationPose pose);
     /// For any other change: the next compile() makes the whole scene anew.
     SceneDescription& change();
 
@@ -65,7 +65,7 @@ public:
     /// that its numbers would be rounded otherwise: then all is compiled anew.
     Scene compile_exactly(Warnings& warnings);
     /// Whether the last compile() made the whole scene.
-    bool compiled_anew() const;
+    bool recompiled() const;
 
 private:
     struct Data;

@@ -52,7 +52,7 @@ struct Bounds {
 FATHOM_API Bounds world_bounds(const SceneDescription& scene);
 
 /// What complete_scene added because it was lacking, in words; empty if nothing.
-struct Completed {
+struct CompletedScene {
     std::vector<std::string> added;
 };
 
@@ -64,9 +64,9 @@ struct CompleteOptions {
     double aspect = 4.0 / 3;
     std::optional<Bounds> bounds;  ///< what is framed; else the scene as it is
     /// The scene is to be in view, too, when the camera is turned about the vertical axis through this point.
-    std::optional<Vec3d> turned_about;
+    std::optional<Vec3d> orbit_center;
 };
-FATHOM_API Completed complete_scene(SceneDescription& scene, const CompleteOptions& options);
+FATHOM_API CompletedScene complete_scene(SceneDescription& scene, const CompleteOptions& options);
 
 /// The camera of that name (empty: the first) where its node puts it, in world space; lengths take the node's scale.
 /// Throws Error, naming the cameras there are, if there is none of that name in the scene.

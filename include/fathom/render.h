@@ -66,7 +66,7 @@ struct RenderSettings {
     Crop rendered_pixels() const { return crop.value_or(Crop{0, 0, width, height}); }
 };
 
-struct SceneStatistics {
+struct CompileStatistics {
     std::size_t triangles = 0, primitives = 0, instances = 0, lights = 0, memory_bytes = 0;
     double build_s = 0;
 };
@@ -79,7 +79,7 @@ public:
     static Scene compile(const SceneDescription& description, const std::string& camera, Warnings& warnings,
                          TreeBuild build = TreeBuild::standard);
 
-    const SceneStatistics& statistics() const;
+    const CompileStatistics& statistics() const;
     /// The camera that it was compiled for, in world space.
     const Camera& camera() const;
     /// Of all that decides pictures of it, beside camera and settings.
@@ -155,11 +155,11 @@ public:
     /// Samples whose value was NaN or infinite; they count as black, which is a bias.
     std::uint64_t dropped_samples() const;
     /// One of them, to be replayed (render_sample); nothing where none was dropped since the film was made.
-    struct SamplePlace {
+    struct SampleLocation {
         int x = 0, y = 0;
         std::uint64_t sample = 0;
     };
-    std::optional<SamplePlace> dropped_sample() const;
+    std::optional<SampleLocation> dropped_sample() const;
 
     /// Adds the sums of a film of an equal key over other samples. Throws Error if they overlap or the keys differ.
     void merge(const Film& other);
@@ -168,7 +168,7 @@ public:
     ///
     /// dropped_sample  as of dropped_sample()
     void begin_merge(const FilmKey& key, const std::vector<SampleRange>& samples, std::uint64_t dropped,
-                     const std::optional<SamplePlace>& dropped_sample);
+                     const std::optional<SampleLocation>& dropped_sample);
     void merge_words(std::size_t first_pixel, const std::uint32_t* words, std::size_t pixels);
     /// The words, row by row, as of Sums.
     const std::uint32_t* words() const;

@@ -9,7 +9,7 @@
 namespace fathom {
 
 /// The reason of the last failed dlopen or dlsym, as dlerror() reports it.
-inline std::string shared_library_trouble()
+inline std::string dynamic_library_error()
 {
     const char* reason = dlerror();
     return reason ? reason : "unknown reason";
@@ -18,7 +18,7 @@ inline std::string shared_library_trouble()
 /// Looks up the symbol `name` with dlsym and stores it in `function`. Throws Error, naming `file`, if the library lacks
 /// it; `what` names the library that was expected.
 template <class Function>
-void take_function(void* library, const std::string& file, const char* what, const char* name, Function& function)
+void load_function(void* library, const std::string& file, const char* what, const char* name, Function& function)
 {
     function = reinterpret_cast<Function>(dlsym(library, name));
     if (!function) throw Error(file, name, std::string("there is no such function: this is not ") + what);

@@ -40,7 +40,7 @@ std::uint64_t left_of(const Limit& limit)
 }
 
 /// Returns freed heap memory to the system: glibc keeps it, and it would count as resident.
-void give_back_freed()
+void trim_heap()
 {
 #ifdef __GLIBC__
     malloc_trim(0);
@@ -48,7 +48,7 @@ void give_back_freed()
 }
 
 /// The largest estimates in one unit, such as `textures 5.1, triangles 2.9`. Shares below 5 % are left out.
-std::string takers_text(std::vector<MemoryEstimate> needs, double total, double unit)
+std::string largest_estimates_text(std::vector<MemoryEstimate> needs, double total, double unit)
 {
     constexpr std::size_t most = 4;
     constexpr double min_share = 0.05;
@@ -93,11 +93,11 @@ void check_memory(const std::string& file, std::vector<MemoryEstimate> needs)
     const auto refuse = [&](double total, const std::string& allowed) {
         throw Error(file, "",
                     fmt::format("needs some {} ({}), {}", memory_text(total),
-                                takers_text(std::move(needs), total, total < 1e9 ? 1e6 : 1e9), allowed));
+                                largest_estimates_text(std::move(needs), total, total < 1e9 ? 1e6 : 1e9), allowed));
     };
     if (const auto there = double(memory_left("/")); needed > there) refuse(needed, memory_text(there) + " are there");
     if (!limit.is_set() || needed <= double(left_of(limit))) return;
-    give_back_freed();
+    trim_heap();
     const auto taken = double(resident_memory("/"));
     if (needed + taken <= double(limit.bytes)) return;
     needs.push_back({"what is read already", taken});

@@ -55,7 +55,7 @@ void check_length(const std::string& target, const fs::path& path, const fs::pat
 
 /// Whether another user may have planted the link to redirect the output: the rule of Linux' protected_symlinks, for
 /// all folders that others can write to and not only for sticky ones.
-bool is_planted(const fs::path& link, const fs::path& folder)
+bool is_untrusted_link(const fs::path& link, const fs::path& folder)
 {
     struct stat its{}, of_folder{};
     if (lstat(link.c_str(), &its) != 0 || stat(folder.c_str(), &of_folder) != 0) return false;
@@ -86,7 +86,7 @@ std::optional<fs::path> followed(const fs::path& target)
             real = place;
             continue;
         }
-        if (is_planted(place, real))
+        if (is_untrusted_link(place, real))
             throw Error(target.string(), "",
                         fmt::format("can't write: '{}' is a link that another user made in a folder that others may "
                                     "write to; name the place itself",
@@ -137,12 +137,12 @@ OutputFile::OutputFile(const fs::path& target) : name_(target.string()), target_
         if (!nameless_) unlink(temporary_.c_str());
         fail("can't write", reason);
     }
-    keep_rights();
+    copy_permissions();
 }
 
 /// Copies owner and permissions of the existing file. Only root can keep another owner, so failure of fchown is
 /// ignored.
-void OutputFile::keep_rights() const
+void OutputFile::copy_permissions() const
 {
     struct stat before{};
     if (lstat(target_.c_str(), &before) != 0 || !S_ISREG(before.st_mode)) return;

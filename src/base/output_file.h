@@ -40,7 +40,7 @@ public:
 private:
     void rename_keeping_earlier(const std::filesystem::path& previous) const;
     void sync_folder() const;
-    void keep_rights() const;
+    void copy_permissions() const;
     [[noreturn]] void fail(const std::string& what, int error) const;
 
     std::string name_;              ///< path as the user gave it, for messages

@@ -163,7 +163,7 @@ void check_flattened(const Compiler& c, const std::vector<FlattenedShape>& shape
     for (const FlattenedShape& p : shapes) checker.check(p, all);
 }
 
-bool vanishes(const Transform& render_from_node)
+bool is_degenerate(const Transform& render_from_node)
 {
     const Transform inverse = render_from_node.inverse();
     double sum = 0;

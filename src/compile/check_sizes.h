@@ -17,6 +17,6 @@ void check_camera(const SceneDescription& scene, const Camera& camera, const Ren
 void check_flattened(const Compiler& c, const std::vector<FlattenedShape>& shapes, const FlattenedScene& all);
 
 /// Whether a transform scales down so far that its inverse overflows.
-bool vanishes(const Transform& render_from_node);
+bool is_degenerate(const Transform& render_from_node);
 
 }  // namespace fathom

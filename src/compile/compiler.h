@@ -54,7 +54,7 @@ struct Compiler {
 };
 
 /// Format of a warning that names the file.
-inline constexpr const char alpha_is_lost[] =
+inline constexpr const char alpha_unsupported[] =
     "{}: alpha of curves, of points, and of spheres and disks that move is not supported; they are opaque";
 
 /// Flattens the node hierarchy; a node that is reached twice occurs twice.
@@ -66,7 +66,7 @@ void compile_material_records(Compiler& c);
 
 /// Geometry in object space, which instances place.
 struct InstancedGeometry {
-    std::map<const void*, std::uint32_t> shapes;  ///< key: content_of the shape
+    std::map<const void*, std::uint32_t> shapes;  ///< key: shared_geometry the shape
     std::size_t shapes_end = 0;                   ///< number of shapes before those of instances
     bool moving = false;                          ///< something moves otherwise than by poses of instances
     bool fixed_motion = false;                    ///< something that is not movable moves during the shutter interval

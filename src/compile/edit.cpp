@@ -127,13 +127,13 @@ void SceneEdit::set_shutter(double open, double close)
     }
 }
 
-void SceneEdit::set_pose(ScenePose pose)
+void SceneEdit::set_pose(AnimationPose pose)
 {
     SceneDescription& scene = data_->scene;
     const bool reshaped =
         std::any_of(pose.contents.begin(), pose.contents.end(),
                     [&](const auto& c) { return !same_contents(at(scene.nodes, c.first), c.second); }) ||
-        std::any_of(pose.meshes.begin(), pose.meshes.end(), [&](const ScenePose::Vertices& v) {
+        std::any_of(pose.meshes.begin(), pose.meshes.end(), [&](const AnimationPose::Vertices& v) {
             return !at(scene.meshes, v.mesh).movable ||
                    v.positions.size() != at(scene.meshes, v.mesh).positions.size() || !v.colors.empty() ||
                    !v.uvs[0].empty() || !v.uvs[1].empty();
@@ -141,8 +141,8 @@ void SceneEdit::set_pose(ScenePose pose)
     if (reshaped) data_->compiled.reset();
     SceneParts& parts = data_->changes.parts;
     for (const auto& [node, transform] : pose.nodes) parts.nodes.push_back(node);
-    for (const ScenePose::Vertices& v : pose.meshes) parts.meshes.push_back(v.mesh);
-    for (const ScenePose::Number& n : pose.numbers) {
+    for (const AnimationPose::Vertices& v : pose.meshes) parts.meshes.push_back(v.mesh);
+    for (const AnimationPose::Number& n : pose.numbers) {
         if (is_of_material(n.value)) parts.materials.push_back(n.target);
         if (is_of_light(n.value)) parts.lights.push_back(n.target);
     }
@@ -175,7 +175,7 @@ Scene SceneEdit::compile(Warnings& warnings)
     return result;
 }
 
-bool SceneEdit::compiled_anew() const
+bool SceneEdit::recompiled() const
 {
     return data_->anew;
 }

@@ -16,7 +16,7 @@ std::uint64_t fingerprint_vertices(const GeometryTables& t)
     return f.value();
 }
 
-std::uint64_t fingerprint_contents(const GeometryTables& t)
+std::uint64_t fingerprint_geometry(const GeometryTables& t)
 {
     Fingerprint f;
     f.add(t.colors), f.add(t.uv0), f.add(t.uv1);
@@ -65,7 +65,7 @@ std::uint64_t fingerprint_materials(const SceneTables& t)
     return f.value();
 }
 
-std::uint64_t fingerprint_places(const SceneTables& t)
+std::uint64_t fingerprint_instances(const SceneTables& t)
 {
     Fingerprint f;
     f.add(t.shapes), f.add(t.instances), f.add(t.poses), f.add(t.lights), f.add(t.light_cdf);

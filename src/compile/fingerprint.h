@@ -50,10 +50,10 @@ struct Fingerprints {
 /// Hash of positions, normals, tangents and vertex times.
 std::uint64_t fingerprint_vertices(const GeometryTables& tables);
 /// Hash of all other geometry.
-std::uint64_t fingerprint_contents(const GeometryTables& tables);
+std::uint64_t fingerprint_geometry(const GeometryTables& tables);
 /// Hash of materials, media, textures and images.
 std::uint64_t fingerprint_materials(const SceneTables& tables);
 /// Hash of shapes, instances, poses, lights and environment parameters.
-std::uint64_t fingerprint_places(const SceneTables& tables);
+std::uint64_t fingerprint_instances(const SceneTables& tables);
 
 }  // namespace fathom

@@ -93,9 +93,9 @@ double texel_bytes(const PictureSize& size, ColorSpace space)
 }
 
 /// Estimates the memory of images.
-class PictureNeeds {
+class ImageMemory {
 public:
-    explicit PictureNeeds(const SceneDescription& scene) : scene_(scene), sizes_(scene.images.size()) {}
+    explicit ImageMemory(const SceneDescription& scene) : scene_(scene), sizes_(scene.images.size()) {}
 
     std::vector<MemoryEstimate> needs()
     {
@@ -156,7 +156,7 @@ double bytes_of(const std::vector<T>& v)
 
 }  // namespace
 
-double ShapeNeeds::triangle_bytes(const Mesh& mesh) const
+double ShapeMemory::triangle_bytes(const Mesh& mesh) const
 {
     const double triangles = double(mesh.indices.size()) / 3, keys = double(1 + mesh.motion.size());
     return triangles * (16 + tree_bytes(build_) + (mesh.motion.empty() ? 0 : bytes_while_moving)) +
@@ -165,21 +165,21 @@ double ShapeNeeds::triangle_bytes(const Mesh& mesh) const
 }
 
 /// Adds curves; returns the number of primitives per occurrence.
-double ShapeNeeds::add_curves(const Curves& curves)
+double ShapeMemory::add_curves(const Curves& curves)
 {
     const double segments = double(curves.points.size());
     if (counted_.insert(&curves).second) curves_ += segments * bytes_per_segment * double(1 + curves.motion.size());
     return segments;
 }
 
-double ShapeNeeds::add_points(const Points& points)
+double ShapeMemory::add_points(const Points& points)
 {
     const double balls = double(points.centers.size());
     if (counted_.insert(&points).second) points_ += balls * bytes_per_point;
     return balls;
 }
 
-void ShapeNeeds::add(const Shape& shape, const Mesh* mesh, double places, bool is_light)
+void ShapeMemory::add(const Shape& shape, const Mesh* mesh, double places, bool is_light)
 {
     double primitives = 6;  // primitives of a box, the maximum of the remaining kinds
     if (mesh)
@@ -192,7 +192,7 @@ void ShapeNeeds::add(const Shape& shape, const Mesh* mesh, double places, bool i
     if (is_light) lights_ += primitives * places;
 }
 
-std::vector<MemoryEstimate> ShapeNeeds::needs() const
+std::vector<MemoryEstimate> ShapeMemory::needs() const
 {
     // A mesh with several occurrences is instanced, or, if it is small, copied.
     constexpr double fewest_of_instances = 4096;
@@ -212,7 +212,7 @@ std::vector<MemoryEstimate> estimate_memory(const SceneDescription& scene, TreeB
 {
     check_scene(scene);
     const Places places(scene);
-    ShapeNeeds shapes(scene, build);
+    ShapeMemory shapes(scene, build);
     for (std::size_t i = 0; i < scene.nodes.size(); ++i) {
         if (places.of(i) == 0) continue;
         for (const Shape& shape : scene.nodes[i].shapes) {
@@ -222,7 +222,7 @@ std::vector<MemoryEstimate> estimate_memory(const SceneDescription& scene, TreeB
         }
     }
     std::vector<MemoryEstimate> needs = shapes.needs();
-    for (MemoryEstimate& need : PictureNeeds(scene).needs()) needs.push_back(std::move(need));
+    for (MemoryEstimate& need : ImageMemory(scene).needs()) needs.push_back(std::move(need));
     double values = 0;
     for (const MeasuredBrdf& brdf : scene.measured) values += measured_value_count(brdf);
     if (values > 0) needs.push_back({"measured materials", values * sizeof(float)});

@@ -9,9 +9,9 @@
 namespace fathom {
 
 /// Estimates the memory that shapes take at its peak, during BVH construction. Measurements: docs/performance.md.
-class ShapeNeeds {
+class ShapeMemory {
 public:
-    ShapeNeeds(const SceneDescription& scene, TreeBuild build) : scene_(scene), build_(build) {}
+    ShapeMemory(const SceneDescription& scene, TreeBuild build) : scene_(scene), build_(build) {}
 
     /// Adds a shape with `places` occurrences. mesh: its mesh, displaced if its material says so; null for other kinds;
     /// emits: whether it is a light.

@@ -50,7 +50,7 @@ Scene Scene::compile(const SceneDescription& description, const std::string& cam
     return scene;
 }
 
-const SceneStatistics& Scene::statistics() const
+const CompileStatistics& Scene::statistics() const
 {
     return data_->statistics;
 }

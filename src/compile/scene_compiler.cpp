@@ -43,10 +43,10 @@ std::vector<std::size_t> count_triangles(const GeometryTables& tables)
     return triangles;
 }
 
-SceneStatistics statistics_of(const SceneTables& tables, const KernelScene& kernel,
-                              const std::vector<std::size_t>& triangles)
+CompileStatistics statistics_of(const SceneTables& tables, const KernelScene& kernel,
+                                const std::vector<std::size_t>& triangles)
 {
-    SceneStatistics s;
+    CompileStatistics s;
     s.triangles = tables.world_triangles;
     for (const InstanceRecord& instance : tables.instances) s.triangles += triangles[instance.mesh_shape];
     s.primitives = tables.primitive_count();
@@ -68,7 +68,7 @@ SceneStatistics statistics_of(const SceneTables& tables, const KernelScene& kern
 /// already.
 void check_memory(const Compiler& c, const FlattenedScene& occurrences, TreeBuild build)
 {
-    ShapeNeeds shapes(c.scene, build);
+    ShapeMemory shapes(c.scene, build);
     for (const FlattenedShape& p : occurrences.shapes) {
         const MaterialRecord& material = c.tables.materials[material_index(c.tables, *p.shape)];
         const bool is_light = (material.flags & MaterialRecord::emits) && !(material.flags & MaterialRecord::unlit);
@@ -122,8 +122,8 @@ std::shared_ptr<Scene::Data> SceneCompiler::compile(Warnings& warnings)
     compile_environment(c);
     compile_lights(c, occurrences_);
 
-    fingerprints_ = {fingerprint_vertices(*tables_), fingerprint_contents(*tables_), fingerprint_materials(*tables_),
-                     fingerprint_places(*tables_)};
+    fingerprints_ = {fingerprint_vertices(*tables_), fingerprint_geometry(*tables_), fingerprint_materials(*tables_),
+                     fingerprint_instances(*tables_)};
     data->tables = tables_;
     data->kernel = make_kernel_scene(tables_, build_);
     finish(*data);
@@ -142,11 +142,11 @@ bool SceneCompiler::update(Scene::Data& data, const SceneChanges& changes, Warni
                              tables_->shutter_close != float(data.camera.shutter_close);
     // Bounds of immovable geometry are valid for the shutter interval of compilation only.
     if (other_times && contents_.fixed_motion) return false;
-    if (!keeps_displaced(changes, other_times)) return false;
+    if (!displacement_unchanged(changes, other_times)) return false;
     set_shutter(*tables_, data.camera);
     Compiler c = compiler(warnings);
     FlattenedScene now = flatten_scene(c);
-    if (!keeps_places(now)) return false;
+    if (!static_shapes_unmoved(now)) return false;
     for (std::size_t i = 0; i < now.shapes.size(); ++i) now.shapes[i].instanced = occurrences_.shapes[i].instanced;
     const std::vector<int> meshes = other_times ? with_moving(changes.parts.meshes) : changes.parts.meshes;
     check_moved(c, now, meshes);
@@ -160,7 +160,7 @@ bool SceneCompiler::update(Scene::Data& data, const SceneChanges& changes, Warni
 
     if (!meshes.empty()) fingerprints_.vertices = fingerprint_vertices(*tables_);
     if (other_materials || changes.environment) fingerprints_.materials = fingerprint_materials(*tables_);
-    fingerprints_.places = fingerprint_places(*tables_);
+    fingerprints_.places = fingerprint_instances(*tables_);
     std::vector<std::uint32_t> shapes;
     for (int mesh : meshes)
         if (const auto shape = contents_.shapes.find(&scene_.meshes[std::size_t(mesh)]);
@@ -180,7 +180,7 @@ bool SceneCompiler::refresh_space()
 }
 
 /// Whether displaced meshes are unchanged; changed ones require full compilation.
-bool SceneCompiler::keeps_displaced(const SceneChanges& changes, bool other_times) const
+bool SceneCompiler::displacement_unchanged(const SceneChanges& changes, bool other_times) const
 {
     const auto is_displaced = [&](int mesh) { return displaced_.has(scene_.meshes[std::size_t(mesh)]); };
     const std::vector<int>& meshes = changes.parts.meshes;
@@ -189,7 +189,7 @@ bool SceneCompiler::keeps_displaced(const SceneChanges& changes, bool other_time
 }
 
 /// Whether all immovable shapes are where they were.
-bool SceneCompiler::keeps_places(const FlattenedScene& now) const
+bool SceneCompiler::static_shapes_unmoved(const FlattenedScene& now) const
 {
     const auto same_poses = [](const std::vector<NodeKey>& a, const std::vector<NodeKey>& b) {
         return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](const NodeKey& x, const NodeKey& y) {

@@ -35,8 +35,8 @@ public:
 
 private:
     Compiler compiler(Warnings& warnings) { return {scene_, space_, *tables_, warnings, displaced_, light_images_}; }
-    bool keeps_displaced(const SceneChanges& changes, bool other_times) const;
-    bool keeps_places(const FlattenedScene& now) const;
+    bool displacement_unchanged(const SceneChanges& changes, bool other_times) const;
+    bool static_shapes_unmoved(const FlattenedScene& now) const;
     void check_moved(const Compiler& c, const FlattenedScene& now, const std::vector<int>& meshes) const;
     std::vector<int> with_moving(std::vector<int> meshes) const;
     bool update_vertices(Compiler& c, const std::vector<int>& meshes, bool other_times);

@@ -9,7 +9,7 @@ namespace fathom {
 
 /// A compiled scene: tables, kernel and camera.
 struct Scene::Data {
-    SceneStatistics statistics;
+    CompileStatistics statistics;
     Camera camera;  ///< the camera that render space was made for, in world space
     std::shared_ptr<const SceneTables> tables;
     std::unique_ptr<KernelScene> kernel;

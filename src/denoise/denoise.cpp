@@ -157,7 +157,7 @@ void Denoiser::add_to(Image& image) const
     image.attributes["fathom.denoiser"] = "Open Image Denoise " + version();
 }
 
-Image shown_picture(const Image& image)
+Image display_image(const Image& image)
 {
     Image shown;
     shown.width = image.width, shown.height = image.height;

@@ -58,12 +58,12 @@ std::vector<fs::path> python_places()
 }
 
 /// Loads the library's functions; throws Error if one is missing.
-Oidn functions_of(void* library, const fs::path& file)
+Oidn load_functions(void* library, const fs::path& file)
 {
     Oidn oidn{};
     oidn.file = file;
     const auto load_symbol = [&](auto& function, const char* name) {
-        take_function(library, file.string(), "Open Image Denoise 2", name, function);
+        load_function(library, file.string(), "Open Image Denoise 2", name, function);
     };
     load_symbol(oidn.oidnNewDevice, "oidnNewDevice");
     load_symbol(oidn.oidnReleaseDevice, "oidnReleaseDevice");
@@ -96,8 +96,8 @@ Oidn open_named(const std::string& name)
     if (!fs::exists(file, error)) throw Error(file.string(), variable, "there is no such library");
     // A name without a folder would be searched for among the system's libraries.
     void* library = open_library(fs::absolute(file, error));
-    if (!library) throw Error(file.string(), variable, "can't be opened: " + shared_library_trouble());
-    return functions_of(library, file);
+    if (!library) throw Error(file.string(), variable, "can't be opened: " + dynamic_library_error());
+    return load_functions(library, file);
 }
 
 }  // namespace
@@ -105,11 +105,11 @@ Oidn open_named(const std::string& name)
 Oidn open_oidn()
 {
     if (const std::string name = environment(variable); !name.empty()) return open_named(name);
-    if (void* library = open_library(soname)) return functions_of(library, soname);
+    if (void* library = open_library(soname)) return load_functions(library, soname);
     std::string reason;
     for (const fs::path& file : python_places()) {
-        if (void* library = open_library(file)) return functions_of(library, file);
-        reason = fmt::format(" ({})", shared_library_trouble());
+        if (void* library = open_library(file)) return load_functions(library, file);
+        reason = fmt::format(" ({})", dynamic_library_error());
     }
     throw Error(
         "", "denoising",

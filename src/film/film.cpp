@@ -80,7 +80,8 @@ void Film::Data::add_range(SampleRange range)
     samples = std::move(joined);
 }
 
-void Film::Data::take_samples(const FilmKey& of, const std::vector<SampleRange>& ranges, std::uint64_t dropped_there)
+void Film::Data::register_samples(const FilmKey& of, const std::vector<SampleRange>& ranges,
+                                  std::uint64_t dropped_there)
 {
     if (const std::string difference = of.difference(key); !difference.empty())
         throw Error("", "", "does not belong to the others: " + difference);
@@ -147,7 +148,7 @@ std::uint64_t Film::dropped_samples() const
     return data_->dropped;
 }
 
-std::optional<Film::SamplePlace> Film::dropped_sample() const
+std::optional<Film::SampleLocation> Film::dropped_sample() const
 {
     return data_->dropped_sample;
 }
@@ -163,16 +164,16 @@ void Film::merge(const Film& other)
 {
     const Data& from = *other.data_;
     Data& to = *data_;
-    to.take_samples(from.key, from.samples, from.dropped);
+    to.register_samples(from.key, from.samples, from.dropped);
     if (!to.dropped_sample) to.dropped_sample = from.dropped_sample;
     const std::size_t pixels = std::size_t(to.width) * std::size_t(to.height);
     for (std::size_t i = 0; i < pixels; ++i) to.add_pixel(i, from.pixel(i));
 }
 
 void Film::begin_merge(const FilmKey& key, const std::vector<SampleRange>& samples, std::uint64_t dropped,
-                       const std::optional<SamplePlace>& dropped_sample)
+                       const std::optional<SampleLocation>& dropped_sample)
 {
-    data_->take_samples(key, samples, dropped);
+    data_->register_samples(key, samples, dropped);
     if (!data_->dropped_sample) data_->dropped_sample = dropped_sample;
 }
 

@@ -34,7 +34,7 @@ struct Film::Data {
     FilmLayout layout{{}, false};
     std::vector<SampleRange> samples;
     std::uint64_t dropped = 0;
-    std::optional<SamplePlace> dropped_sample;
+    std::optional<SampleLocation> dropped_sample;
     using Words = std::vector<std::uint32_t, LargeAllocator<std::uint32_t>>;
     Words words;       ///< layout.words per pixel
     Words pass_words;  ///< sums that a cancellable pass writes to, swapped with `words` at its end: see render and
@@ -61,7 +61,7 @@ struct Film::Data {
     void add_range(SampleRange range);
     /// Registers the samples of another film whose sums are added next. Throws Error, without any change, if the films
     /// do not belong together or samples overlap.
-    void take_samples(const FilmKey& of, const std::vector<SampleRange>& ranges, std::uint64_t dropped_there);
+    void register_samples(const FilmKey& of, const std::vector<SampleRange>& ranges, std::uint64_t dropped_there);
 };
 
 }  // namespace fathom

@@ -59,7 +59,7 @@ public:
     }
     /// Typical pixel of the noisiest of the nine blocks around a pixel, so that the edge of a noisy region is not an
     /// outlier.
-    const Moments& usual_around(int x, int y) const
+    const Moments& typical_around(int x, int y) const
     {
         const Moments* most = nullptr;
         for (int row = std::max(y / side - 1, 0); row <= std::min(y / side + 1, rows_ - 1); ++row)
@@ -112,14 +112,14 @@ private:
 struct Outliers {
     double count = 0, height2 = 0;
 
-    Outliers(const Moments& m, const Moments& usual, double n)
+    Outliers(const Moments& m, const Moments& typical, double n)
     {
         double sum2 = 0;
         for (std::size_t c = 0; c < 3; ++c) {
-            const double sum = n * std::max(0.0, double(m.mean[c]) - double(usual.mean[c]));
+            const double sum = n * std::max(0.0, double(m.mean[c]) - double(typical.mean[c]));
             sum2 += sum * sum;
         }
-        const double squares = n * (double(m.square) - double(usual.square));
+        const double squares = n * (double(m.square) - double(typical.square));
         if (!(squares > 0) || !(sum2 > 0)) return;
         count = std::clamp(sum2 / squares, 1.0, n);
         height2 = squares / count;
@@ -148,12 +148,12 @@ Film::Fireflies Film::fireflies() const
     Fireflies found;
     for (int y = 0; y < pixels.height(); ++y)
         for (int x = 0; x < pixels.width(); ++x) {
-            const Moments &m = pixels.at(x, y), &usual = blocks.usual_around(x, y);
-            if (!(double(m.variance) > far_beyond * double(usual.variance))) continue;
-            const Outliers outliers(m, usual, n);
+            const Moments &m = pixels.at(x, y), &typical = blocks.typical_around(x, y);
+            if (!(double(m.variance) > far_beyond * double(typical.variance))) continue;
+            const Outliers outliers(m, typical, n);
             if (outliers.count > std::max(1.0, few * n)) continue;
             if (outliers.height2 < much_brighter * much_brighter * pixels.brightest_neighbor(x, y)) continue;
-            found.noise += (double(m.variance) - double(usual.variance)) / noise;
+            found.noise += (double(m.variance) - double(typical.variance)) / noise;
             found.samples += outliers.count;
         }
     found.samples /= n * double(pixels.all().size());

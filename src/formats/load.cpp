@@ -33,7 +33,7 @@ std::string lower_extension(const std::filesystem::path& file)
 }
 
 /// Moves the roots under a node that rotates +z to +y, the up axis of scenes.
-void turn_z_up(SceneDescription& scene)
+void rotate_z_up(SceneDescription& scene)
 {
     Node turn;
     turn.name = "z up";
@@ -101,7 +101,7 @@ SceneDescription load_file(const std::filesystem::path& file, const LoadOptions&
                     fmt::format("there is no variant '{}': only glTF files have variants", options.variant));
     if (context.open_files.size() == 1) context.format = format_name(importer, source);
     SceneDescription scene = importer.read(source, context);
-    if (options.up_axis ? options.up_axis == 'z' : importer.z_up) turn_z_up(scene);
+    if (options.up_axis ? options.up_axis == 'z' : importer.z_up) rotate_z_up(scene);
     return scene;
 }
 

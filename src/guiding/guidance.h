@@ -18,7 +18,7 @@ inline UInt guiding_side(const Vec3& n)
 }
 
 /// Rotates d so that the direction of `side` becomes +z.
-inline Vec3 to_pole(UInt side, const Vec3& d)
+inline Vec3 to_histogram_frame(UInt side, const Vec3& d)
 {
     const UInt axis = side >> 1;
     const Mask x = axis == UInt(0u), y = axis == UInt(1u);
@@ -26,8 +26,8 @@ inline Vec3 to_pole(UInt side, const Vec3& d)
     return {select(x, d.y, select(y, d.z, d.x)), select(x, d.z, select(y, d.x, d.y)),
             select((side & UInt(1u)) != UInt(0u), -z, z)};
 }
-/// Inverse of to_pole().
-inline Vec3 from_pole(UInt side, const Vec3& p)
+/// Inverse of to_histogram_frame().
+inline Vec3 from_histogram_frame(UInt side, const Vec3& p)
 {
     const UInt axis = side >> 1;
     const Mask x = axis == UInt(0u), y = axis == UInt(1u);
@@ -41,7 +41,7 @@ inline UInt guiding_bin(UInt side, const Vec3& d)
     const auto whole = [](Float x, std::uint32_t n) {
         return to_uint(clamp(x * Float(float(n)), Float(0), Float(float(n - 1))));
     };
-    const Vec3 p = to_pole(side, d);
+    const Vec3 p = to_histogram_frame(side, d);
     const Float turn = atan2(p.y, p.x) * Float(inv_pi * 0.5f);
     const UInt sector = whole(select(turn < Float(0), turn + Float(1), turn), guiding_sectors);
     return whole(fma(p.z, Float(0.5f), Float(0.5f)), guiding_bands) * UInt(guiding_sectors) + sector;
@@ -66,7 +66,7 @@ inline UInt guiding_cube(const GuidingTables& tables, const Vec3& p, const Vec3&
 }
 
 /// Probability with which paths of the given throughput sample a light in their cubes.
-inline Float light_chance(const GuidingTables& tables, UInt cube, Float throughput, Mask m)
+inline Float nee_probability(const GuidingTables& tables, UInt cube, Float throughput, Mask m)
 {
     constexpr float least = 1.f / 8;
     return clamp(gather(tables.nee_factors.data(), select(m, cube, UInt(0u)), m) * throughput, Float(least), Float(1));
@@ -100,7 +100,7 @@ public:
 
     /// Probability with which the shadow ray of a light sample is traced. brings: contribution of the sample if
     /// unoccluded.
-    Float shadow_chance(Float brings, Mask m) const
+    Float shadow_ray_probability(Float brings, Mask m) const
     {
         constexpr float least = 0.1f;
         if (tables_->shadow_ray_factors.empty()) return Float(1);
@@ -119,7 +119,7 @@ public:
         const Float z = fma(band + u.y, Float(2.f / guiding_bands), Float(-1));
         const SinCos turn = sincos_2pi((sector + within) * Float(1.f / guiding_sectors));
         const Float r = sqrt(max(fma(-z, z, Float(1)), Float(0)));
-        return from_pole(side_, {turn.cos * r, turn.sin * r, z});
+        return from_histogram_frame(side_, {turn.cos * r, turn.sin * r, z});
     }
     /// Density of sample() for the direction d, with respect to solid angle.
     Float histogram_pdf(const Vec3& d) const

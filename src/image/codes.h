@@ -11,7 +11,7 @@ namespace fathom {
 ///
 /// codes  output, `channels` codes for each pixel
 template <class Code, class Write>
-void fill_codes(const Image::Layer& layer, int channels, Code* codes, Write write)
+void encode_pixels(const Image::Layer& layer, int channels, Code* codes, Write write)
 {
     const std::size_t stride = layer.channels.size();
     const tbb::blocked_range<std::size_t> pixels(0, layer.pixels.size() / stride, 1 << 14);

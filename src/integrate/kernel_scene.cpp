@@ -56,7 +56,7 @@ bool has_material(const SceneTables& tables, F&& f)
 bool has_open_media(const SceneTables& tables)
 {
     return has_material(tables, [&](const MaterialRecord& m) {
-        return (m.flags & MaterialRecord::open_boundary) || tables.media[m.medium].is_open;
+        return (m.flags & MaterialRecord::index_matched_boundary) || tables.media[m.medium].is_index_matched;
     });
 }
 
@@ -66,12 +66,14 @@ bool has_panes(const SceneTables& tables)
 }
 
 /// Flags of shape_info that tell how paths and shadow rays pass a material.
-std::uint32_t passing_info(const SceneTables& tables, const MaterialRecord& m)
+std::uint32_t pass_flags(const SceneTables& tables, const MaterialRecord& m)
 {
-    if (m.flags & MaterialRecord::open_boundary) return LaneScene::may_be_passed | LaneScene::is_no_bounce;
+    if (m.flags & MaterialRecord::index_matched_boundary)
+        return LaneScene::passes_shadow_rays | LaneScene::passes_without_bounce;
     if (!(m.flags & MaterialRecord::pane)) return 0;
     // A pane that bounds an index-matched medium counts no bounce: the scattering inside the medium does.
-    return LaneScene::may_be_passed | (tables.media[m.medium].is_open ? LaneScene::is_no_bounce : 0);
+    return LaneScene::passes_shadow_rays |
+           (tables.media[m.medium].is_index_matched ? LaneScene::passes_without_bounce : 0);
 }
 
 }  // namespace
@@ -85,7 +87,7 @@ LaneScene::LaneScene(std::shared_ptr<const SceneTables> t, TreeBuild level)
     filters[1].make_blackman_harris();
     filters[2].make_tent();
     read_tables();
-    try_shadow_rays(*this);
+    order_by_trial_shadow_rays(*this);
 }
 
 void LaneScene::update(const std::vector<std::uint32_t>& shapes)
@@ -112,12 +114,12 @@ void LaneScene::read_tables()
     open_media = !is_flat && has_open_media(tables);
     transmissive_shadows = open_media || (!is_flat && has_panes(tables));
     tracks_media = has_absorption || open_media || count_solids(tables) > 1;
-    has_way_out = has_fibers || transmissive_shadows;
+    has_exit_offset = has_fibers || transmissive_shadows;
     only_quads &= !tracks_media;
     constexpr std::size_t much = 1 << 17;  // vertices
     is_large = tables.positions.size() > much;
     textured = !tables.textures.empty();
-    wants_uv = textured || has_fibers || wants_tangents;
+    needs_uv = textured || has_fibers || wants_tangents;
     varied_lights = std::any_of(tables.lights.begin(), tables.lights.end(),
                                 [](const LightRecord& light) { return light.material != no_index; });
     moving_lights = std::any_of(tables.lights.begin(), tables.lights.end(),
@@ -132,14 +134,14 @@ void LaneScene::read_tables()
         primitive_info.resize(primitive_info.size() + lookup_size);
     }
     quads.build(tables, !is_flat);
-    sees_environment = EnvironmentKind(tables.environment.kind) != EnvironmentKind::none;
+    needs_environment_radiance = EnvironmentKind(tables.environment.kind) != EnvironmentKind::none;
 }
 
 void LaneScene::read_shapes()
 {
     kinds = 0;
-    refracts = has_fibers = wants_tangents = looks_through = has_absorption = scatters_inside = textured_media =
-        has_mixtures = one_sided = has_bumps = has_map_tangents = wants_uv_slopes = false;
+    refracts = has_fibers = wants_tangents = camera_passes_surfaces = has_absorption = scatters_inside =
+        textured_media = has_mixtures = one_sided = has_bumps = has_map_tangents = wants_uv_slopes = false;
     material_bucket.clear();
     for (const MaterialRecord& material : tables.materials)
         material_bucket.push_back(std::uint32_t(material.closure) << kind_shift |
@@ -152,15 +154,16 @@ void LaneScene::read_shapes()
         const MaterialRecord& material = tables.materials[shape.material];
         read_material(material);
         shape_info.push_back(material_bucket[shape.material] | (material.flags & MaterialRecord::emits ? emits : 0u) |
-                             (material.mixture != no_index ? is_mixture : 0u) | passing_info(tables, material));
+                             (material.mixture != no_index ? is_mixture : 0u) | pass_flags(tables, material));
     }
 }
 
 /// Sets the scene's flags that depend on one of its materials.
 void LaneScene::read_material(const MaterialRecord& material)
 {
-    looks_through |= (material.flags & (MaterialRecord::single_sided | MaterialRecord::hidden_from_camera)) != 0;
-    only_quads &= !looks_through;
+    camera_passes_surfaces |=
+        (material.flags & (MaterialRecord::single_sided | MaterialRecord::hidden_from_camera)) != 0;
+    only_quads &= !camera_passes_surfaces;
     if (material.mixture != no_index) {
         has_mixtures = true;
         only_quads = false;
@@ -171,7 +174,7 @@ void LaneScene::read_material(const MaterialRecord& material)
     }
     refracts |= Closures::transmits(material.closure);
     has_fibers |= material.closure == ClosureKind::hair;
-    wants_tangents |= (material.flags & MaterialRecord::wants_tangent) != 0;
+    wants_tangents |= (material.flags & MaterialRecord::needs_tangent) != 0;
     has_bumps |= (material.flags & MaterialRecord::bumped) != 0;
     has_map_tangents |= (material.flags & MaterialRecord::map_tangents) != 0;
     wants_uv_slopes |= has_bumps || has_map_tangents;

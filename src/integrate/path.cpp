@@ -36,7 +36,7 @@ public:
                   .eta_scale = scene.refracts,
                   .media = scene.tracks_media,
                   .clamp = settings.clamp_indirect > 0,
-                  .light_chance = settings.skips_light_samples(),
+                  .nee_probability = settings.skips_light_samples(),
                   .number = job.records != nullptr,
                   .walks = scene.scatters_inside || scene.open_media,
                   .walk_textures = scene.textured_media,
@@ -66,10 +66,10 @@ public:
             if (active == 0) break;
             clock_.enter(RenderStage::trace);
             trace(fresh, active);
-            if (scene_.looks_through) see_through_.look_through(*paths_, hits_, fresh, active);
+            if (scene_.camera_passes_surfaces) see_through_.pass_surfaces(*paths_, hits_, fresh, active);
             clock_.enter(RenderStage::arrival);
             if (recorder_.is_on()) recorder_.record_light_samples(*paths_, active);
-            active = arrive(active);
+            active = process_hits(active);
             std::swap(paths_, spare_);
             if (recorder_.is_on()) recorder_.record_surfaces(*paths_, packed_hits_, kind_end_[closure_kind_count - 1]);
             shade_.run(*paths_, packed_hits_, kind_end_);
@@ -159,7 +159,7 @@ private:
 
     /// Ends the paths that left the scene or hit a surface that does not scatter. Compacts the others, sorted, into the
     /// spare pool, followed by those that a medium scattered. Returns the number of paths that continue.
-    std::size_t arrive(std::size_t active)
+    std::size_t process_hits(std::size_t active)
     {
         if (scene_.has_absorption) walk_.run(*paths_, hits_, active);
         if (scene_.has_mixtures) mixtures_.choose(*paths_, hits_, active, extras_.time);
@@ -169,23 +169,24 @@ private:
             Mask valid = first_lanes(active - i);
             if (scene_.scatters_inside) {
                 const Mask walks = valid & (hits_.t.load(i) < Float(0));
-                list(walks, i, walking_, walking);
+                append_indices(walks, i, walking_, walking);
                 valid &= !walks;
             }
             const UInt primitive = hits_.primitive.load(i);
             const Mask hit = valid & (primitive != UInt(no_index));
             const UInt instance = scene_.is_flat ? UInt(no_index) : hits_.instance.load(i);
             surfaces_.fetch_indices(primitive, hit);
-            const UInt info = scene_.info_of(primitive, instance, hit);
-            list(hit & ((info & UInt(LaneScene::emits)) != UInt(0u)), i, emitting_, emitting);
-            if (scene_.sees_environment || settings_.background.given) list(valid & !hit, i, missing_, missing);
+            const UInt info = scene_.shape_info_of(primitive, instance, hit);
+            append_indices(hit & ((info & UInt(LaneScene::emits)) != UInt(0u)), i, emitting_, emitting);
+            if (scene_.needs_environment_radiance || settings_.background.given)
+                append_indices(valid & !hit, i, missing_, missing);
             UInt bucket = info & UInt(LaneScene::bucket_mask);
             if (scene_.has_mixtures) bucket = mixtures_.bucket(hits_.material.load(i), bucket, hit);
             const Mask scatters = hit & !less(bucket, UInt(1u << LaneScene::kind_shift)) &
                                   (may_scatter(settings_, p.state.load(i) & UInt(PathPool::bounce_mask)) |
-                                   ((info & UInt(LaneScene::is_no_bounce)) != UInt(0u)));
-            list(valid & !scatters, i, finished_, finished);
-            if (extras_.light_chance) bucket = bucket | choose_light_chance(i, scatters);
+                                   ((info & UInt(LaneScene::passes_without_bounce)) != UInt(0u)));
+            append_indices(valid & !scatters, i, finished_, finished);
+            if (extras_.nee_probability) bucket = bucket | choose_light_chance(i, scatters);
             buckets_.store(i, select(scatters, bucket, UInt(0u)));
         }
         if (first_hits_.wanted()) add_first_hits(active);
@@ -221,14 +222,14 @@ private:
         const UInt seed = group_seed(key, bounce + UInt(1u));
         const Vec3 at = fma(p.direction.load(i), hits_.t.load(i), p.origin.load(i));
         const UInt cube = guiding_cube(tables, at, guiding_noise(sample_hash(key, pair_seed(seed, pair_guiding))));
-        const Float chance = light_chance(tables, cube, mean(p.throughput.load(i)), m);
+        const Float chance = nee_probability(tables, cube, mean(p.throughput.load(i)), m);
         const Mask samples = sample_hash(key, pair_seed(seed, pair_light_chance)) < chance;
-        p.light_chance.store(i, select(samples, chance, -chance));
+        p.nee_probability.store(i, select(samples, chance, -chance));
         return select(samples, UInt(LaneScene::samples_light), UInt(0u));
     }
 
     /// Appends the numbers of the lanes of m, counted from `first`, to a list.
-    static void list(Mask m, std::size_t first, Column<std::uint32_t>& numbers, std::size_t& size)
+    static void append_indices(Mask m, std::size_t first, Column<std::uint32_t>& numbers, std::size_t& size)
     {
         if (none(m)) return;
         numbers.append(size, iota() + UInt(std::uint32_t(first)), m);
@@ -252,7 +253,8 @@ private:
             };
             if (scene_.has_closure(kind)) {
                 const std::uint32_t any_material = ~((1u << LaneScene::kind_shift) - 1);
-                if (extras_.light_chance) pack(any_material, kind << LaneScene::kind_shift | LaneScene::samples_light);
+                if (extras_.nee_probability)
+                    pack(any_material, kind << LaneScene::kind_shift | LaneScene::samples_light);
                 pack(any_material, kind << LaneScene::kind_shift);
             }
             kind_end_[kind] = packed;
@@ -274,7 +276,7 @@ private:
                     packed += std::exchange(place[bucket], packed);
             };
             if (scene_.has_closure(kind)) {
-                if (extras_.light_chance) give_places(LaneScene::samples_light);
+                if (extras_.nee_probability) give_places(LaneScene::samples_light);
                 give_places(0);
             }
             kind_end_[kind] = packed;
@@ -301,7 +303,7 @@ private:
     {
         const PathPool& p = *paths_;
         if (recorder_.is_on()) recorder_.end_path(p, i);
-        sums_.add(PathPool::pixel_of(p.state[i]), reversed_scalar(p.reversed_index[i]), p.radiance.c[0][i],
+        sums_.add(PathPool::pixel_of(p.state[i]), reverse_bits_scalar(p.reversed_index[i]), p.radiance.c[0][i],
                   p.radiance.c[1][i], p.radiance.c[2][i]);
     }
 
@@ -312,7 +314,8 @@ private:
         PathPool& p = *paths_;
         std::size_t dead = 0;
         for (std::size_t i = 0; i < active; i += lanes)
-            list(first_lanes(active - i) & ((p.state.load(i) & UInt(PathPool::dead)) != UInt(0u)), i, finished_, dead);
+            append_indices(first_lanes(active - i) & ((p.state.load(i) & UInt(PathPool::dead)) != UInt(0u)), i,
+                           finished_, dead);
         while (dead > 0) {
             const std::size_t i = finished_[--dead];
             fetch_sums(finished_[dead - std::min(dead, fetched_ahead)]);
@@ -387,7 +390,7 @@ private:
             if (const Mask shared = shows & (light != UInt(no_index)) & !specular; any(shared)) {
                 const UInt number = select(shared, light, UInt(0u));
                 const Float pdf = p.bsdf_pdf.gather(index, m);
-                const Float exit_offset = scene_.has_way_out ? p.exit_offset.gather(index, m) : Float(0);
+                const Float exit_offset = scene_.has_exit_offset ? p.exit_offset.gather(index, m) : Float(0);
                 weight = select(shared,
                                 lights_.emission_weight_of(number, fma(hit.d, -exit_offset, hit.o), hit.time, hit.d,
                                                            hit.t + exit_offset, hit.u, pdf, shared),
@@ -457,7 +460,7 @@ private:
     PathPool pools_[2];
     PathPool *paths_ = &pools_[0], *spare_ = &pools_[1];
     HitColumns hits_, packed_hits_;
-    CameraSeesThrough see_through_;
+    CameraPassThrough see_through_;
     MixtureStage mixtures_;
     MediumStage walk_;
     PathRecorder recorder_;

@@ -124,7 +124,7 @@ Rays to_lights(const LaneScene& scene, Rays& rays)
 
 }  // namespace
 
-void try_shadow_rays(LaneScene& scene)
+void order_by_trial_shadow_rays(LaneScene& scene)
 {
     const SceneTables& tables = scene.tables;
     // BVHs of scenes that move or may be edited ignore the result.

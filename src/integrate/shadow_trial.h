@@ -6,7 +6,7 @@ inline namespace FATHOM_LANES {
 
 /// Traces trial shadow rays, from surfaces to sampled lights, and passes them to Bvh::expect, which orders the BVH for
 /// the shadow rays of rendering.
-void try_shadow_rays(LaneScene& scene);
+void order_by_trial_shadow_rays(LaneScene& scene);
 
 }  // namespace FATHOM_LANES
 }  // namespace fathom

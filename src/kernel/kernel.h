@@ -55,7 +55,7 @@ struct KernelSettings {
     const GuidingTables* guiding = nullptr;  ///< guides directions and Russian roulette if not null
     std::size_t film_words = 0;              ///< 32-bit words of a pixel in the film
 
-    /// Whether light sampling is skipped at some vertices by chance: see PathPool::light_chance.
+    /// Whether light sampling is skipped at some vertices by chance: see PathPool::nee_probability.
     bool skips_light_samples() const { return guiding && !guiding->nee_factors.empty(); }
 };
 

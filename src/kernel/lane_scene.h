@@ -22,8 +22,9 @@ struct LaneScene final : KernelScene {
     /// Per shape: the sort bucket of its material in the low bits, flags in the high bits.
     std::vector<std::uint32_t> shape_info;
     static constexpr std::uint32_t emits = 1u << 31, is_mixture = 1u << 30;
-    /// Shadow rays and paths may pass the surface undeflected (may_be_passed) without counting a bounce (is_no_bounce).
-    static constexpr std::uint32_t may_be_passed = 1u << 29, is_no_bounce = 1u << 28;
+    /// Shadow rays and paths may pass the surface undeflected (passes_shadow_rays) without counting a bounce
+    /// (passes_without_bounce).
+    static constexpr std::uint32_t passes_shadow_rays = 1u << 29, passes_without_bounce = 1u << 28;
     /// Per material: its sort bucket, for the constituents of mixtures.
     std::vector<std::uint32_t> material_bucket;
     /// Sort key of paths before shading: first the ClosureKind, then the material modulo 32.
@@ -39,8 +40,8 @@ struct LaneScene final : KernelScene {
     bool textured = false;          ///< the scene has textures
     bool has_fibers = false;        ///< some material is a hair closure, which needs the texture coordinate v as offset
                                     ///< across the fiber
-    bool wants_uv = false;          ///< texture coordinates are needed: for textures, hair or tangents
-    bool has_way_out = false;       ///< light sampling points may differ from ray origins: see PathPool::exit_offset
+    bool needs_uv = false;          ///< texture coordinates are needed: for textures, hair or tangents
+    bool has_exit_offset = false;   ///< light sampling points may differ from ray origins: see PathPool::exit_offset
     bool wants_tangents = false;    ///< tangents of surfaces are needed
     bool has_bumps = false;         ///< some material is bump-mapped
     bool has_map_tangents = false;  ///< some material has MaterialRecord::map_tangents
@@ -51,18 +52,18 @@ struct LaneScene final : KernelScene {
     bool pictured_lights = false;   ///< some lights are LightRecordKind::pictured
     bool refracts = false;          ///< some material transmits light
     bool one_sided = false;         ///< some surfaces are black on their back
-    bool looks_through = false;     ///< camera rays pass some surfaces: see CameraSeesThrough
-    bool has_absorption = false;    ///< some medium absorbs or scatters
-    bool scatters_inside = false;   ///< some medium scatters
-    bool textured_media = false;    ///< some media have textured coefficients, which paths carry along
-    bool open_media = false;        ///< some media are index-matched (MediumRecord::is_open) or have open boundaries
+    bool camera_passes_surfaces = false;  ///< camera rays pass some surfaces: see CameraPassThrough
+    bool has_absorption = false;          ///< some medium absorbs or scatters
+    bool scatters_inside = false;         ///< some medium scatters
+    bool textured_media = false;          ///< some media have textured coefficients, which paths carry along
+    bool open_media = false;  ///< some media are index-matched (MediumRecord::is_open) or have open boundaries
     bool transmissive_shadows = false;  ///< shadow rays pass some surfaces: open boundaries or panes
     bool tracks_media = false;          ///< paths keep a stack of media: some absorb or are open, or solids may overlap
     bool has_mixtures = false;          ///< some material is a mixture
-    bool sees_environment = false;      ///< rays that leave the scene see radiance
-    bool only_quads = false;            ///< flat, static, quads only, without rare features: QuadTracer renders it
-    bool only_plain_quads = false;      ///< only_quads, and all quads are plain: see QuadColumns
-    FilterTable filters[3];             ///< Gaussian, Blackman-Harris, tent
+    bool needs_environment_radiance = false;  ///< rays that leave the scene see radiance
+    bool only_quads = false;        ///< flat, static, quads only, without rare features: QuadTracer renders it
+    bool only_plain_quads = false;  ///< only_quads, and all quads are plain: see QuadColumns
+    FilterTable filters[3];         ///< Gaussian, Blackman-Harris, tent
 
     LaneScene(std::shared_ptr<const SceneTables> t, TreeBuild level);
     std::size_t memory_bytes() const override;
@@ -72,7 +73,7 @@ struct LaneScene final : KernelScene {
     /// Whether some material of this ClosureKind scatters.
     bool has_closure(std::uint32_t kind) const { return kinds >> kind & 1; }
     /// shape_info of the shape that was hit; 0 outside the mask.
-    UInt info_of(UInt primitive, UInt instance, Mask m) const;
+    UInt shape_info_of(UInt primitive, UInt instance, Mask m) const;
 
 private:
     bool has_alpha() const;
@@ -81,7 +82,7 @@ private:
     void read_material(const MaterialRecord& material);
 };
 
-inline UInt LaneScene::info_of(UInt primitive, UInt instance, Mask m) const
+inline UInt LaneScene::shape_info_of(UInt primitive, UInt instance, Mask m) const
 {
     if (is_flat) return lookup_or_gather(primitive_info.data(), int(tables.shape_of_primitive.size()), primitive, m);
     UInt shape = gather(tables.shape_of_primitive.data(), primitive, m);

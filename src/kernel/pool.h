@@ -107,7 +107,7 @@ struct PathExtras {
     bool eta_scale = false;             ///< some material transmits
     bool media = false;                 ///< paths keep a stack of media
     bool clamp = false;                 ///< indirect light is clamped
-    bool light_chance = false;          ///< light sampling is skipped by chance
+    bool nee_probability = false;       ///< light sampling is skipped by chance
     bool number = false;                ///< paths are recorded for guiding
     bool walks = false;                 ///< some medium scatters
     bool walk_textures = false;         ///< some medium has textured coefficients
@@ -130,11 +130,11 @@ struct PathPool {
     Column<float> bsdf_pdf;     ///< MIS density (solid angle) of the last direction; kept when a path passes an open
                                 ///< boundary or pane
     Column<float> exit_offset;  ///< distance along the ray from the point where lights were sampled to the ray origin;
-                                ///< see LaneScene::has_way_out
+                                ///< see LaneScene::has_exit_offset
     Column<float> eta_scale, time;
     Column<float> indirect_left;  ///< remaining budget of indirect light: see integrate/stages/indirect_clamp.h
     /// Probability with which this vertex samples a light; negative if this path does not sample one.
-    Column<float> light_chance;
+    Column<float> nee_probability;
     Column<std::uint32_t> number;  ///< number of the path in the job
     MediaColumn media;
     Column<std::uint32_t> walk_steps;  ///< scattering events within a medium since the last surface
@@ -153,7 +153,7 @@ struct PathPool {
         if (extras.time) f(a.time, b.time);
         if (extras.media) for_columns(a.media, b.media, f);
         if (extras.clamp) f(a.indirect_left, b.indirect_left);
-        if (extras.light_chance) f(a.light_chance, b.light_chance);
+        if (extras.nee_probability) f(a.nee_probability, b.nee_probability);
         if (extras.number) f(a.number, b.number);
         if (extras.walks) f(a.walk_steps, b.walk_steps);
         if (extras.transmissive_shadows) f(a.bsdf_pdf, b.bsdf_pdf), f(a.exit_offset, b.exit_offset);

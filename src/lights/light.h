@@ -22,7 +22,7 @@ struct LightSample {
     Mask is_delta;      ///< delta light, or one that BSDF sampling can't hit: MIS weight 1
     /// The lane's radiance is to be multiplied by the environment's along wi if the ray is unoccluded; see
     /// LightSampler.
-    Mask sees_environment = Mask(false);
+    Mask needs_environment_radiance = Mask(false);
     Float likely = Float(1);  ///< approximate luminance of that environment radiance
 };
 
@@ -64,7 +64,7 @@ template <class Light>
         s.is_delta |= mine & point.is_delta;
     });
     const Mask shines = (s.cosine > Float(0)) | light.has(LightRecord::two_sided);
-    s.is_delta |= light.has(LightRecord::unseen);
+    s.is_delta |= light.has(LightRecord::not_hit_by_rays);
     return {s.wi, s.distance, select(shines, s.inverse_pdf, Float(0)), light.radiance() * s.strength, s.is_delta};
 }
 
@@ -78,22 +78,22 @@ template <class Light>
     const auto point = RectangleLight::sample(light, p, time, random, active);
     const Mask shines = (point.cosine > Float(0)) | light.has(LightRecord::two_sided);
     return {point.wi, point.distance, select(shines, point.inverse_pdf, Float(0)), light.radiance(),
-            light.has(LightRecord::unseen)};
+            light.has(LightRecord::not_hit_by_rays)};
 }
 
 namespace detail {
 
 template <class Kind, class Light>
-concept HasAngularDensity = requires(const Light& light, Vec3 p) { Kind::by_angle(light, p); };
+concept HasAngularDensity = requires(const Light& light, Vec3 p) { Kind::by_solid_angle(light, p); };
 
-/// Densities of the lanes by_angle, whose lights are not sampled uniformly by area; by_area in the others.
+/// Densities of the lanes by_solid_angle, whose lights are not sampled uniformly by area; by_area in the others.
 template <class Light>
-[[gnu::noinline]] Float pdf_by_angle(const Light& light, Vec3 p, Float time, Float by_area, Mask by_angle)
+[[gnu::noinline]] Float pdf_by_solid_angle(const Light& light, Vec3 p, Float time, Float by_area, Mask by_solid_angle)
 {
     Float pdf = by_area;
     LightKinds::for_each([&]<class Kind>() {
         if constexpr (HasAngularDensity<Kind, Light>) {
-            const Mask mine = by_angle & is_kind(light.kind(), Kind::kind);
+            const Mask mine = by_solid_angle & is_kind(light.kind(), Kind::kind);
             if (any(mine)) pdf = select(mine, Kind::pdf(light, p, time, by_area), pdf);
         }
     });
@@ -111,12 +111,12 @@ template <class Light>
     const UInt kind = light.kind();
     const Float cosine = abs(dot(wi, light.normal()));
     const Float by_area = distance * distance * reciprocal(max(cosine * light.area(), Float(1e-30f)));
-    Mask by_angle(false);
+    Mask by_solid_angle(false);
     LightKinds::for_each([&]<class Kind>() {
         if constexpr (detail::HasAngularDensity<Kind, Light>)
-            by_angle |= active & is_kind(kind, Kind::kind) & Kind::by_angle(light, p);
+            by_solid_angle |= active & is_kind(kind, Kind::kind) & Kind::by_solid_angle(light, p);
     });
-    return any(by_angle) ? detail::pdf_by_angle(light, p, time, by_area, by_angle) : by_area;
+    return any(by_solid_angle) ? detail::pdf_by_solid_angle(light, p, time, by_area, by_solid_angle) : by_area;
 }
 
 }  // namespace FATHOM_LANES

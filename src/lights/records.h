@@ -51,7 +51,7 @@ static_assert(sizeof(LightPictureRecord) == 8 * sizeof(float));
 struct LightRecord {
     enum Flags : std::uint32_t {
         two_sided = 1,
-        unseen = 2,  ///< no ray hits it: MIS weight 1
+        not_hit_by_rays = 2,  ///< no ray hits it: MIS weight 1
     };
     enum Motion : std::uint32_t {
         vertices_move = 1,  ///< a triangle whose vertices move
@@ -111,9 +111,9 @@ struct EnvironmentRecord {
     LargeVector<float> texels;  ///< image: four floats per texel
     int width = 0, height = 0;
     double mean_luminance = 0;  ///< of an image that is sampled as a light; else 0
-    /// Linear fit for such an image: a direction sampled with density pdf has a luminance of about even_luminance + pdf
-    /// * sampled_luminance.
-    float even_luminance = 0, sampled_luminance = 0;
+    /// Linear fit for such an image: a direction sampled with density pdf has a luminance of about base_luminance + pdf
+    /// * luminance_per_pdf.
+    float base_luminance = 0, luminance_per_pdf = 0;
     /// Image: cumulative distributions for sampling, over rows and over the columns of each row: (height + 1) and
     /// height * (width + 1) floats.
     LargeVector<float> marginal, conditional;
@@ -123,10 +123,10 @@ struct EnvironmentRecord {
 /// All lights of a scene.
 struct LightTables {
     std::vector<LightRecord> lights;
-    std::vector<float> light_cdf;       ///< cumulative selection probabilities by power: lights + 1 values, 0 to 1
-    LargeVector<LightNode> light_tree;  ///< over the first `placed_lights` lights; node 0 is the root
-    std::uint32_t placed_lights = 0;    ///< number of lights with a position, which come first: all but directional
-                                        ///< lights and the environment
+    std::vector<float> light_cdf;         ///< cumulative selection probabilities by power: lights + 1 values, 0 to 1
+    LargeVector<LightNode> light_tree;    ///< over the first `positioned_lights` lights; node 0 is the root
+    std::uint32_t positioned_lights = 0;  ///< number of lights with a position, which come first: all but directional
+                                          ///< lights and the environment
     EnvironmentRecord environment;
     std::vector<LightPictureRecord> light_pictures;
     LargeVector<float> picture_texels;  ///< images of lights: four floats per texel, linear, not negative

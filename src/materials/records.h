@@ -154,7 +154,7 @@ struct MaterialRecord {
         two_sided_emission = 16,
         unlit = 32 /* visible to camera and mirror rays, but lights no other surface */,
         thin = 64,
-        wants_tangent = 128,  ///< needs the surface's tangent, for normal maps or anisotropy
+        needs_tangent = 128,  ///< needs the surface's tangent, for normal maps or anisotropy
         single_sided = 256,   ///< camera rays pass through its back
         compensated = 512,    ///< energy compensation for multiple scattering between microfacets
         sheet = 1024,         ///< thin: two boundaries with nothing between them
@@ -165,9 +165,9 @@ struct MaterialRecord {
         bumped = 32768,       ///< bump mapped: shading normals are tilted by the slope of `bump`
         separable = 65536,    ///< separable shadowing and masking, G1(wo) G1(wi)
         /// needs texture coordinates though not `textured`: hair, emission maps, textures of the closure's own record
-        wants_uv = 131072,
-        open_boundary = 262144,  ///< boundary of a solid of index 1, which only separates media
-        pane = 524288,           ///< smooth thin glass, which shadow rays pass
+        needs_uv = 131072,
+        index_matched_boundary = 262144,  ///< boundary of a solid of index 1, which only separates media
+        pane = 524288,                    ///< smooth thin glass, which shadow rays pass
         hidden_from_camera = 1048576,
         invisible_light = 2097152,  ///< emits, but rays pass through it
         tinted = 4194304,           ///< glass, plastic: specular_tint is not white

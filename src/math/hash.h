@@ -7,7 +7,7 @@ namespace fathom {
 inline namespace FATHOM_LANES {
 
 /// Reverses the bits of one number: the scalar counterpart of reverse_bits().
-inline std::uint32_t reversed_scalar(std::uint32_t x)
+inline std::uint32_t reverse_bits_scalar(std::uint32_t x)
 {
     x = (x & 0x55555555u) << 1 | (x >> 1 & 0x55555555u);
     x = (x & 0x33333333u) << 2 | (x >> 2 & 0x33333333u);

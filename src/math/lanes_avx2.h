@@ -213,7 +213,7 @@ inline float least(Float a)
     return _mm_cvtss_f32(_mm_min_ss(x, _mm_movehdup_ps(x)));
 }
 /// out[i] = the minimum over the lanes of x[i].
-inline void min_each(const Float (&x)[16], float (&out)[16])
+inline void reduce_min_each(const Float (&x)[16], float (&out)[16])
 {
     // singles(a, b) leaves partial minima of a and b in alternating lanes (a b a b ...); doubles extends that to a b c
     // d in each half.
@@ -232,7 +232,7 @@ inline void min_each(const Float (&x)[16], float (&out)[16])
     }
 }
 /// Inclusive prefix sums: lane i gets the sum of lanes 0 to i.
-inline UInt running_sums(UInt a)
+inline UInt prefix_sums(UInt a)
 {
     __m256i x = a.v;
     x = _mm256_add_epi32(x, _mm256_slli_si256(x, 4));

@@ -172,7 +172,7 @@ inline UInt lookup(const std::uint32_t* table, int n, UInt index)
 /// The minimum over all lanes.
 inline float least(Float a) { return _mm512_reduce_min_ps(a.v); }
 /// out[i] = the minimum over the lanes of x[i].
-inline void min_each(const Float (&x)[16], float (&out)[16])
+inline void reduce_min_each(const Float (&x)[16], float (&out)[16])
 {
     // singles(a, b) leaves partial minima of a and b in alternating lanes (a b a b ...); doubles extends that to a b c
     // d in each quarter.
@@ -191,7 +191,7 @@ inline void min_each(const Float (&x)[16], float (&out)[16])
     _mm512_storeu_ps(out, _mm512_min_ps(_mm512_shuffle_f32x4(low, high, 0x88), _mm512_shuffle_f32x4(low, high, 0xdd)));
 }
 /// Inclusive prefix sums: lane i gets the sum of lanes 0 to i.
-inline UInt running_sums(UInt a)
+inline UInt prefix_sums(UInt a)
 {
     const __m512i zero = _mm512_setzero_si512();
     __m512i x = a.v;

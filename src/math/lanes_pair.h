@@ -127,11 +127,11 @@ inline UInt lookup(const std::uint32_t* t, int n, UInt i)
     return {native::lookup(t, n, i.a), native::lookup(t, n, i.b)};
 }
 inline float least(Float x) { return native::least(native::min(x.a, x.b)); }
-inline void min_each(const Float (&x)[16], float (&out)[16])
+inline void reduce_min_each(const Float (&x)[16], float (&out)[16])
 {
     native::Float lesser[16];
     for (int i = 0; i < 16; ++i) lesser[i] = native::min(x[i].a, x[i].b);
-    native::min_each(lesser, out);
+    native::reduce_min_each(lesser, out);
 }
 inline UInt rotate16(UInt x) { return {native::rotate16(x.a), native::rotate16(x.b)}; }
 

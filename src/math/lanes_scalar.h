@@ -84,12 +84,12 @@ inline UInt lookup(const std::uint32_t* table, int, UInt index) { return table[i
 /// The minimum over all lanes.
 inline float least(Float a) { return a; }
 /// out[i] = the minimum over the lanes of x[i].
-inline void min_each(const Float (&x)[16], float (&out)[16])
+inline void reduce_min_each(const Float (&x)[16], float (&out)[16])
 {
     for (int i = 0; i < 16; ++i) out[i] = x[i];
 }
 /// Inclusive prefix sums: lane i gets the sum of lanes 0 to i.
-inline UInt running_sums(UInt a) { return a; }
+inline UInt prefix_sums(UInt a) { return a; }
 /// Rotates each integer by 16 bits.
 inline UInt rotate16(UInt x) { return x >> 16 | x << 16; }
 

@@ -20,7 +20,7 @@ struct MediumRecord {
                                  ///< above 0, below 2^31
     /// Index-matched medium, such as fog: light enters without refraction. Next event estimation is done at scattering
     /// events, which count as bounces.
-    std::uint32_t is_open = 0;
+    std::uint32_t is_index_matched = 0;
     std::uint32_t counts = 0;  ///< scattering events count as bounces against the maximum depth
 
     bool operator==(const MediumRecord&) const = default;
@@ -28,7 +28,7 @@ struct MediumRecord {
 
 /// Minimum mean free path of subsurface media, in units of render space, where a scene has a radius of 512 to 1024.
 /// Shorter ones look the same, but steps of that size vanish in float.
-constexpr float shortest_free_path = 1.0f / 512;
+constexpr float min_mean_free_path = 1.0f / 512;
 
 /// All media of a scene.
 struct MediaTables {

@@ -21,7 +21,7 @@ bool has_camera(const SceneDescription& scene, int index)
            std::any_of(node.children.begin(), node.children.end(), [&](int child) { return has_camera(scene, child); });
 }
 
-/// world_reach for a box.
+/// world_support for a box.
 std::vector<double> reach_of(const Bounds& box, std::span<const Vec3d> directions)
 {
     if (box.empty) return {};
@@ -53,7 +53,7 @@ struct Axes {
 std::vector<double> reach_along(const SceneDescription& scene, const CompleteOptions& options,
                                 std::span<const Vec3d> directions)
 {
-    return options.bounds ? reach_of(*options.bounds, directions) : world_reach(scene, directions);
+    return options.bounds ? reach_of(*options.bounds, directions) : world_support(scene, directions);
 }
 
 /// Extent of the scene from `middle` along the frustum normals of all cameras on a turntable around it, so that a
@@ -91,8 +91,8 @@ Camera framing_camera(const SceneDescription& scene, const CompleteOptions& opti
     camera.name = "framing";
     constexpr double margin = 1.08;
     const double tan_y = std::tan(camera.fov_y / 2) / margin, tan_x = tan_y * options.aspect;
-    const Vec3d middle = options.turned_about.value_or(Vec3d{});
-    std::vector<double> reach = options.turned_about ? reach_all_around(scene, options, elevation, tan_x, tan_y, middle)
+    const Vec3d middle = options.orbit_center.value_or(Vec3d{});
+    std::vector<double> reach = options.orbit_center ? reach_all_around(scene, options, elevation, tan_x, tan_y, middle)
                                                      : reach_along(scene, options, axes.normals(tan_x, tan_y));
     // A scene without geometry still gets a camera.
     if (reach.empty()) reach.assign(6, 0);
@@ -123,10 +123,10 @@ void add_first_camera(SceneDescription& scene, Camera camera)
 
 }  // namespace
 
-Completed complete_scene(SceneDescription& scene, const CompleteOptions& options)
+CompletedScene complete_scene(SceneDescription& scene, const CompleteOptions& options)
 {
     check_scene(scene);
-    Completed completed;
+    CompletedScene completed;
     const bool found =
         std::any_of(scene.roots.begin(), scene.roots.end(), [&](int root) { return has_camera(scene, root); });
     if (found && !options.force_camera) return completed;

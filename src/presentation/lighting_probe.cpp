@@ -113,7 +113,7 @@ bool is_unlit(const SceneDescription& scene)
 /// Adds the ground if it is requested; the scene must then be compiled again.
 ///
 /// fits  whether a studio alone lights the model
-void put_on_ground(SceneEdit& edit, AutoLitScene& result, const std::optional<Ground>& ground, bool fits)
+void add_ground_if_fitting(SceneEdit& edit, AutoLitScene& result, const std::optional<Ground>& ground, bool fits)
 {
     if (!ground || (ground->only_where_it_fits && !fits)) return;
     const SceneDescription& scene = edit.description();
@@ -154,7 +154,7 @@ AutoLitScene compile_with_light(SceneEdit& edit, LightChoice light, double aspec
         result.backdrop = needs_studio || (light == LightChoice::automatic && is_unlit(scene) && !own_light);
         result.studio = needs_studio;
         if (needs_studio && light == LightChoice::automatic) result.added.push_back("a studio light");
-        put_on_ground(edit, result, ground, needs_studio && !scene.hints.own_light);
+        add_ground_if_fitting(edit, result, ground, needs_studio && !scene.hints.own_light);
         result.scene = edit.compile(warnings);
         return result;
     }
@@ -171,11 +171,11 @@ AutoLitScene compile_with_light(SceneEdit& edit, LightChoice light, double aspec
                           : fmt::format("a studio light, since its own reaches {:.0f} % of what is seen (--light file: "
                                         "leave it out)",
                                         100 * look.lit));
-        put_on_ground(edit, result, ground, !lamps);
+        add_ground_if_fitting(edit, result, ground, !lamps);
         result.scene = edit.compile(warnings);
         return result;
     }
-    put_on_ground(edit, result, ground, false);
+    add_ground_if_fitting(edit, result, ground, false);
     if (result.ground) result.scene = edit.compile(warnings);
     // Small deviations are taken as intended.
     const double stops = std::round(2 * look.exposure_ev()) / 2;

@@ -108,7 +108,7 @@ private:
 bool refracts_smoothly(const ShadingTables& tables, const MaterialRecord& m)
 {
     constexpr float rough = 0.0316228f;  // the square root of the alpha below which microfacets are treated as mirrors
-    if ((m.flags & (MaterialRecord::thin | MaterialRecord::open_boundary)) != 0) return false;
+    if ((m.flags & (MaterialRecord::thin | MaterialRecord::index_matched_boundary)) != 0) return false;
     if (m.roughness_texture != no_index || m.roughness > rough) return false;
     switch (m.closure) {
         case ClosureKind::glass:

@@ -95,7 +95,7 @@ std::vector<double> value_at(const AnimationChannel& channel, double time_s)
     const double dt = stands ? 1 : double(times[b]) - double(times[a]);
     const double u = stands ? 0 : (time_s - double(times[a])) / dt;
     if (u > 0 && rotates && channel.interpolation == Interpolation::linear) {
-        const std::array<double, 4> q = turn(quaternion(key(a, 1)), quaternion(key(b, 1)), u);
+        const std::array<double, 4> q = slerp(quaternion(key(a, 1)), quaternion(key(b, 1)), u);
         value.assign(q.begin(), q.end());
     } else if (u > 0 && channel.interpolation == Interpolation::linear) {
         for (std::size_t k = 0; k < n; ++k) value[k] = (1 - u) * double(key(a, 1)[k]) + u * double(key(b, 1)[k]);
@@ -112,7 +112,7 @@ std::vector<double> value_at(const AnimationChannel& channel, double time_s)
     return value;
 }
 
-bool places_node(AnimatedValue value)
+bool is_node_transform(AnimatedValue value)
 {
     return value == AnimatedValue::translation || value == AnimatedValue::rotation || value == AnimatedValue::scale;
 }
@@ -192,11 +192,11 @@ void set_contents(Node& node, const Node& contents)
     node.camera = contents.camera;
 }
 
-void set_pose(SceneDescription& scene, ScenePose pose)
+void set_pose(SceneDescription& scene, AnimationPose pose)
 {
     for (auto& [node, transform] : pose.nodes) scene.nodes.at(std::size_t(node)).parent_from_node = transform;
     for (auto& [node, keys] : pose.motions) scene.nodes.at(std::size_t(node)).motion = std::move(keys);
-    for (ScenePose::Vertices& v : pose.meshes) {
+    for (AnimationPose::Vertices& v : pose.meshes) {
         Mesh& mesh = scene.meshes.at(std::size_t(v.mesh));
         mesh.positions = std::move(v.positions);
         mesh.normals = std::move(v.normals);
@@ -206,7 +206,7 @@ void set_pose(SceneDescription& scene, ScenePose pose)
         for (std::size_t set = 0; set < 2; ++set)
             if (!v.uvs[set].empty()) mesh.uvs[set] = std::move(v.uvs[set]);
     }
-    for (const ScenePose::Number& n : pose.numbers) {
+    for (const AnimationPose::Number& n : pose.numbers) {
         const auto target = std::size_t(n.target);
         if (is_of_material(n.value))
             set_number(scene.materials.at(target), n.value, n.numbers);

@@ -16,7 +16,7 @@ std::string problem_of(const AnimationChannel& channel);
 std::vector<double> value_at(const AnimationChannel& channel, double time_s);
 
 /// Whether the value is a translation, rotation or scale of a node.
-bool places_node(AnimatedValue value);
+bool is_node_transform(AnimatedValue value);
 /// Whether the value is a parameter of a material.
 bool is_of_material(AnimatedValue value);
 /// Whether the value is a parameter of a light.
@@ -35,6 +35,6 @@ void set_contents(Node& node, const Node& contents);
 /// Contents of the rig's hiding nodes: empty where the node that owns them, or a node above it, is invisible.
 ///
 /// visible  one entry per node of the rig
-std::vector<std::pair<int, Node>> contents_at(const AnimationRig& rig, const std::vector<bool>& visible);
+std::vector<std::pair<int, Node>> visible_contents(const AnimationRig& rig, const std::vector<bool>& visible);
 
 }  // namespace fathom

@@ -34,7 +34,7 @@ constexpr int deepest = 256;
 
 /// Skinning and morphing may collapse normals and tangents to zero; such vertices keep the directions of the rest pose.
 template <class Vector>
-void keep_directions(std::vector<Vector>& directions, const std::vector<Vector>& rest)
+void restore_collapsed_directions(std::vector<Vector>& directions, const std::vector<Vector>& rest)
 {
     for (std::size_t i = 0; i < directions.size(); ++i) {
         const Vector& d = directions[i];
@@ -108,10 +108,10 @@ void check_rig(const SceneDescription& scene, const AnimationRig& rig, const Ani
 
 }  // namespace
 
-std::vector<std::pair<int, Node>> contents_at(const AnimationRig& rig, const std::vector<bool>& visible)
+std::vector<std::pair<int, Node>> visible_contents(const AnimationRig& rig, const std::vector<bool>& visible)
 {
     std::vector<std::pair<int, Node>> contents;
-    for (const HidingNode& hiding : rig.hiding) {
+    for (const VisibilityNode& hiding : rig.hiding) {
         bool seen = true;
         for (int node = hiding.owner; node >= 0 && seen; node = rig.parents[std::size_t(node)])
             seen = visible[std::size_t(node)];
@@ -127,7 +127,7 @@ AnimationPlayer::AnimationPlayer(SceneDescription& scene, AnimationRig rig, std:
     std::vector<bool> morphed(rig_.nodes.size());
     moved_.resize(rig_.nodes.size());
     for (const AnimationChannel& channel : this->animation().channels) {
-        if (places_node(channel.value)) moved_[std::size_t(channel.target)] = true;
+        if (is_node_transform(channel.value)) moved_[std::size_t(channel.target)] = true;
         if (channel.value == AnimatedValue::weights) morphed[std::size_t(channel.target)] = true;
     }
     for (std::size_t i = 0; i < rig_.nodes.size(); ++i) {
@@ -173,8 +173,8 @@ std::vector<Transform> AnimationPlayer::skin_transforms(const Skin& skin,
     return result;
 }
 
-ScenePose::Vertices AnimationPlayer::bent(const DeformedMesh& d, const std::vector<float>& weights,
-                                          const std::vector<Transform>& transforms) const
+AnimationPose::Vertices AnimationPlayer::bent(const DeformedMesh& d, const std::vector<float>& weights,
+                                              const std::vector<Transform>& transforms) const
 {
     Mesh mesh;
     mesh.positions = d.rest.positions;
@@ -187,11 +187,11 @@ ScenePose::Vertices AnimationPlayer::bent(const DeformedMesh& d, const std::vect
     if (has([](const MorphTarget& t) -> const auto& { return t.colors; })) mesh.colors = d.rest.colors;
     for (std::size_t set = 0; set < 2; ++set)
         if (has([set](const MorphTarget& t) -> const auto& { return t.uvs[set]; })) mesh.uvs[set] = d.rest.uvs[set];
-    morph(mesh, d.targets, weights);
+    apply_morph_targets(mesh, d.targets, weights);
     if (d.skin >= 0)
-        bend(mesh, d.joints, d.joint_weights, skin_transforms(rig_.skins[std::size_t(d.skin)], transforms));
-    keep_directions(mesh.normals, d.rest.normals);
-    keep_directions(mesh.tangents, d.rest.tangents);
+        apply_skin(mesh, d.joints, d.joint_weights, skin_transforms(rig_.skins[std::size_t(d.skin)], transforms));
+    restore_collapsed_directions(mesh.normals, d.rest.normals);
+    restore_collapsed_directions(mesh.tangents, d.rest.tangents);
     return {d.mesh,
             std::move(mesh.positions),
             std::move(mesh.normals),
@@ -201,16 +201,17 @@ ScenePose::Vertices AnimationPlayer::bent(const DeformedMesh& d, const std::vect
             {}};
 }
 
-ScenePose AnimationPlayer::still(double time_s) const
+AnimationPose AnimationPlayer::still(double time_s) const
 {
-    ScenePose pose;
+    AnimationPose pose;
     std::vector<NodeRest> nodes = rig_.nodes;
     for (const AnimationChannel& channel : animation().channels) {
         const std::vector<double> value = value_at(channel, time_s);
         if (channel.value <= AnimatedValue::visible) {
             place(nodes[std::size_t(channel.target)], channel.value, value);
         } else {
-            ScenePose::Number& number = pose.numbers.emplace_back(ScenePose::Number{channel.value, channel.target, {}});
+            AnimationPose::Number& number =
+                pose.numbers.emplace_back(AnimationPose::Number{channel.value, channel.target, {}});
             std::copy(value.begin(), value.end(), number.numbers.begin());
         }
     }
@@ -228,20 +229,20 @@ ScenePose AnimationPlayer::still(double time_s) const
         const bool has_own = d.node >= 0 && !nodes[std::size_t(d.node)].weights.empty();
         pose.meshes.push_back(bent(d, has_own ? nodes[std::size_t(d.node)].weights : d.weights, transforms));
     }
-    pose.contents = contents_at(rig_, visible);
+    pose.contents = visible_contents(rig_, visible);
     return pose;
 }
 
-ScenePose AnimationPlayer::pose(double time_s, double shutter_s) const
+AnimationPose AnimationPlayer::pose(double time_s, double shutter_s) const
 {
-    ScenePose opening = still(time_s);
+    AnimationPose opening = still(time_s);
     if (!(shutter_s > 0)) return opening;
     // Between keys, node rotations are spherically interpolated but vertices move in straight lines: four segments
     // approximate an arc well enough.
     constexpr int pieces = 4;
     for (int i = 0; i <= pieces; ++i) {
         const double after_s = shutter_s * i / pieces;
-        ScenePose now = still(time_s + after_s);
+        AnimationPose now = still(time_s + after_s);
         for (std::size_t k = 0; k < now.nodes.size(); ++k)
             opening.motions[k].second.push_back({after_s, now.nodes[k].second});
         for (std::size_t k = 0; k < now.meshes.size(); ++k)
@@ -250,7 +251,7 @@ ScenePose AnimationPlayer::pose(double time_s, double shutter_s) const
     }
     for (auto& [node, keys] : opening.motions)
         if (!can_move(keys)) keys.clear();
-    for (ScenePose::Vertices& mesh : opening.meshes)
+    for (AnimationPose::Vertices& mesh : opening.meshes)
         if (!moves_at_all(mesh.motion)) mesh.motion.clear();
     return opening;
 }

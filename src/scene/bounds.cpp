@@ -113,7 +113,7 @@ void add_displaced(Sink& sink, const Transform& t, const Mesh& mesh, const std::
 }
 
 /// Bounding box of balls; nearly exact after a transform if the balls are many and small.
-Bounds box_of_balls(const std::vector<Vec3f>& centers, const std::vector<float>& radii)
+Bounds bounds_of_spheres(const std::vector<Vec3f>& centers, const std::vector<float>& radii)
 {
     BoxSink box;
     for (std::size_t i = 0; i < centers.size(); ++i) {
@@ -126,10 +126,10 @@ Bounds box_of_balls(const std::vector<Vec3f>& centers, const std::vector<float>&
 
 Bounds box_of_curves(const Curves& curves)
 {
-    if (curves.motion.empty()) return box_of_balls(curves.points, curves.radii);
+    if (curves.motion.empty()) return bounds_of_spheres(curves.points, curves.radii);
     BoxSink box;
     for (const CurvesKey& key : curves.motion) {
-        const Bounds at = box_of_balls(key.points, key.radii);
+        const Bounds at = bounds_of_spheres(key.points, key.radii);
         if (at.empty) continue;
         box.point(at.min);
         box.point(at.max);
@@ -173,7 +173,7 @@ public:
         if (mesh.motion.empty()) add(mesh.positions, mesh.normals);
     }
     /// Range of displacement by the shape's material, for height textures with values in [0, 1].
-    HeightRange heights_of(const Shape& shape) const
+    HeightRange displacement_range(const Shape& shape) const
     {
         const bool has_material = shape.material >= 0 && shape.material < int(scene_.materials.size());
         if (!has_material || !can_be_displaced(shape)) return {};
@@ -190,7 +190,7 @@ public:
     {
         const Points& p = scene_.points[std::size_t(index)];
         add_corners(sink, t,
-                    box(points_, scene_.points.size(), index, [&] { return box_of_balls(p.centers, p.radii); }));
+                    box(points_, scene_.points.size(), index, [&] { return bounds_of_spheres(p.centers, p.radii); }));
     }
 
 private:
@@ -218,7 +218,7 @@ private:
 template <class Sink>
 void add_shape(Sink& sink, Contents& contents, const Transform& t, const Shape& shape)
 {
-    const HeightRange heights = contents.heights_of(shape);
+    const HeightRange heights = contents.displacement_range(shape);
     if (const auto* mesh = std::get_if<MeshInstance>(&shape.geometry)) {
         contents.add_mesh(sink, t, mesh->mesh, heights);
     } else if (const auto* sphere = std::get_if<Sphere>(&shape.geometry)) {
@@ -310,7 +310,7 @@ Bounds world_bounds(const SceneDescription& scene)
     return Walk(scene, BoxSink()).run().bounds;
 }
 
-std::vector<double> world_reach(const SceneDescription& scene, std::span<const Vec3d> directions)
+std::vector<double> world_support(const SceneDescription& scene, std::span<const Vec3d> directions)
 {
     return Walk(scene, SupportSink{directions, {}}).run().reach;
 }

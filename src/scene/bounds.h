@@ -11,6 +11,6 @@ Bounds shape_bounds(const SceneDescription& scene, const Shape& shape);
 
 /// Support function of the scene: the largest dot(p, direction) over all points p of its geometry in world space, for
 /// each direction. Empty if there is no geometry. The same approximations apply as in world_bounds.
-std::vector<double> world_reach(const SceneDescription& scene, std::span<const Vec3d> directions);
+std::vector<double> world_support(const SceneDescription& scene, std::span<const Vec3d> directions);
 
 }  // namespace fathom

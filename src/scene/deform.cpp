@@ -42,7 +42,7 @@ void add_offsets(std::vector<To>& to, const std::vector<Offset>& offsets, float 
 
 }  // namespace
 
-void morph(Mesh& mesh, const std::vector<MorphTarget>& targets, std::span<const float> weights)
+void apply_morph_targets(Mesh& mesh, const std::vector<MorphTarget>& targets, std::span<const float> weights)
 {
     for (std::size_t i = 0; i < std::min(targets.size(), weights.size()); ++i) {
         const float weight = weights[i];
@@ -56,8 +56,8 @@ void morph(Mesh& mesh, const std::vector<MorphTarget>& targets, std::span<const 
     }
 }
 
-void bend(Mesh& mesh, std::span<const std::uint16_t> joints, std::span<const float> weights,
-          const std::vector<Transform>& world_from_mesh)
+void apply_skin(Mesh& mesh, std::span<const std::uint16_t> joints, std::span<const float> weights,
+                const std::vector<Transform>& world_from_mesh)
 {
     if (mesh.positions.empty()) return;
     const std::size_t each = joints.size() / mesh.positions.size();

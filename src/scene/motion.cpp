@@ -158,7 +158,7 @@ Pose pose_of(const Transform& t)
     return pose;
 }
 
-std::array<double, 4> turn(const std::array<double, 4>& a, const std::array<double, 4>& b, double fraction)
+std::array<double, 4> slerp(const std::array<double, 4>& a, const std::array<double, 4>& b, double fraction)
 {
     double cosine = 0;
     for (std::size_t i = 0; i < 4; ++i) cosine += a[i] * b[i];
@@ -176,7 +176,7 @@ Pose interpolate(const Pose& a, const Pose& b, double fraction)
     Pose pose;
     pose.translation = a.translation + (b.translation - a.translation) * fraction;
     for (std::size_t i = 0; i < 6; ++i) pose.stretch[i] = a.stretch[i] + (b.stretch[i] - a.stretch[i]) * fraction;
-    pose.rotation = turn(a.rotation, b.rotation, fraction);
+    pose.rotation = slerp(a.rotation, b.rotation, fraction);
     return pose;
 }
 

@@ -77,7 +77,7 @@ constexpr std::uint32_t kind_bits(Kind... kinds)
 
 /// A copy of the owner in which parameters that its kind lacks have their defaults: the part that a file can express.
 template <class Owner>
-Owner own_parameters(const Owner& owner, std::span<const Parameter<Owner>> parameters)
+Owner parameters_of_kind(const Owner& owner, std::span<const Parameter<Owner>> parameters)
 {
     Owner own;
     own.name = owner.name;

@@ -4,7 +4,7 @@
 #include <sstream>
 #include <vector>
 
-#include "fathom/scene_parts.h"
+#include "fathom/scene_digest.h"
 #include "scene/material_table.h"
 #include "scene/texture_table.h"
 
@@ -155,7 +155,7 @@ Parts parse(const std::string& text)
 
 }  // namespace
 
-std::string scene_parts(const SceneDescription& scene)
+std::string scene_digest(const SceneDescription& scene)
 {
     const Words words(scene);
     PartsText text;
@@ -195,7 +195,7 @@ std::string scene_parts(const SceneDescription& scene)
     return text.take();
 }
 
-std::string scene_parts_difference(const std::string& before, const std::string& now)
+std::string scene_digest_difference(const std::string& before, const std::string& now)
 {
     const Parts old_parts = parse(before), new_parts = parse(now);
     std::vector<std::string> words;

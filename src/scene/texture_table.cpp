@@ -139,13 +139,13 @@ std::span<const Parameter<Texture>> texture_parameters()
 {
     return parameters;
 }
-bool looks_at_uv(const Texture& texture)
+bool reads_uv(const Texture& texture)
 {
     return (in_uv >> std::uint32_t(texture.kind) & 1) && texture.mapping == TextureMapping::uv;
 }
-bool looks_at_space(const Texture& texture)
+bool reads_position(const Texture& texture)
 {
-    return ((in_space | in_uv) >> std::uint32_t(texture.kind) & 1) && !looks_at_uv(texture);
+    return ((in_space | in_uv) >> std::uint32_t(texture.kind) & 1) && !reads_uv(texture);
 }
 
 }  // namespace fathom

@@ -8,8 +8,8 @@ std::span<const KindName<TextureKind>> texture_kinds();
 /// Every parameter of textures. A key may appear several times, for different kinds.
 std::span<const Parameter<Texture>> texture_parameters();
 /// Whether the texture reads the surface's uv coordinates.
-bool looks_at_uv(const Texture& texture);
+bool reads_uv(const Texture& texture);
 /// Whether the texture reads the position in Texture::world_from_texture's space.
-bool looks_at_space(const Texture& texture);
+bool reads_position(const Texture& texture);
 
 }  // namespace fathom

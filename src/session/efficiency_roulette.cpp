@@ -15,25 +15,25 @@ namespace {
 constexpr double samples_of_mean = 32;
 /// Factor of light sample probabilities against the optimum: roulette destroys stratification, so a higher probability
 /// pays.
-constexpr double light_caution = 1.5;
+constexpr double nee_safety_factor = 1.5;
 /// Factor of survival probabilities against the optimum; measured.
-constexpr double path_caution = 0.7;
+constexpr double survival_safety_factor = 0.7;
 /// Cost of a ray that hits nothing, as a fraction of the cost of a vertex.
 constexpr double miss_cost = 0.5;
 /// Cost of a shadow ray, as a fraction of the cost of a vertex.
 constexpr double shadow_cost = 0.2;
 /// Assumed fraction of unoccluded light samples. Measured fractions per cube would miss light where few samples arrive.
-constexpr double arriving = 0.25;
+constexpr double visible_fraction = 0.25;
 constexpr double max_factor = 1e30;
 
 /// Calls f(record, number of later records of its path, squared brightness of its pixel) for all records of a part.
 template <class F>
-void for_records(const PathsMet::Part& part, std::size_t samples, const F& f)
+void for_records(const PathStatistics::Part& part, std::size_t samples, const F& f)
 {
     auto at = part.records->surfaces.begin();
     std::size_t path = 0;
     for (const std::uint8_t count : part.records->counts) {
-        const double square = part.brightness_squares[path++ / samples];
+        const double square = part.squared_brightness[path++ / samples];
         for (int after = count - 1; after >= 0; --after, ++at) f(*at, after, square);
     }
 }
@@ -51,7 +51,7 @@ struct LightSums {
     }
 };
 
-LightSums light_sums(const PathsMet& met, const GuidingTables& tables)
+LightSums light_sums(const PathStatistics& met, const GuidingTables& tables)
 {
     const std::size_t cubes = std::size_t(tables.cells[0]) * tables.cells[1] * tables.cells[2];
     return deterministic_reduce(met.parts.size(), LightSums(cubes), [&](std::size_t part, LightSums& sums) {
@@ -83,7 +83,7 @@ LargeVector<float> roots_of_means(const std::vector<double>& sums, const std::ve
 }
 
 /// Vertices per path over the variance and the cost of an operation: the scale of squared probabilities.
-double time_over_noise(const PathsMet& met, double cost)
+double time_over_noise(const PathStatistics& met, double cost)
 {
     return met.variance > 0 ? met.vertices / (cost * met.variance) : 0;
 }
@@ -102,13 +102,13 @@ struct PathSums {
     }
 };
 
-PathSums path_sums(const PathsMet& met, const GuidingTables& tables)
+PathSums path_sums(const PathStatistics& met, const GuidingTables& tables)
 {
     const std::size_t regions = tables.histograms.size() / guiding_stride;
     return deterministic_reduce(met.parts.size(), PathSums(regions), [&](std::size_t part, PathSums& sums) {
         for_records(met.parts[part], met.samples, [&](const GuidingRecord& r, int after, double square) {
             if (r.bin == GuidingRecord::no_bin) return;
-            const std::uint32_t region = tables.regions[place_of(r, tables)];
+            const std::uint32_t region = tables.regions[region_index(r, tables)];
             if (region == no_index) return;
             const double brought = std::min(double(r.value), tables.max_value) / std::numbers::pi;
             if (square > 0) sums.squares[region] += brought * brought / square;
@@ -120,21 +120,21 @@ PathSums path_sums(const PathsMet& met, const GuidingTables& tables)
 
 }  // namespace
 
-void set_nee_factors(const PathsMet& met, GuidingTables& tables)
+void set_nee_factors(const PathStatistics& met, GuidingTables& tables)
 {
     const LightSums sums = light_sums(met, tables);
-    const double factor = light_caution * std::sqrt(time_over_noise(met, light_cost));
+    const double factor = nee_safety_factor * std::sqrt(time_over_noise(met, nee_cost));
     tables.nee_factors = roots_of_means(sums.squares, sums.counts, factor);
 }
 
-void set_shadow_ray_factors(const PathsMet& met, GuidingTables& tables)
+void set_shadow_ray_factors(const PathStatistics& met, GuidingTables& tables)
 {
     const LightSums sums = light_sums(met, tables);
-    const double factor = std::sqrt(arriving * time_over_noise(met, shadow_cost));
+    const double factor = std::sqrt(visible_fraction * time_over_noise(met, shadow_cost));
     tables.shadow_ray_factors = roots_of_means(sums.weights, sums.counts, factor);
 }
 
-void set_survival_factors(const PathsMet& met, GuidingTables& tables)
+void set_survival_factors(const PathStatistics& met, GuidingTables& tables)
 {
     PathSums sums = path_sums(met, tables);
     share_with_neighbors(tables, sums.counts, 1, sums.squares);
@@ -144,7 +144,7 @@ void set_survival_factors(const PathsMet& met, GuidingTables& tables)
     for (std::size_t i = 0; i < sums.counts.size(); ++i) {
         // Regions without data let paths continue.
         const double ratio = sums.costs[i] > 0 ? sums.squares[i] / sums.costs[i] : max_factor;
-        tables.survival_factors[i] = float(std::min(path_caution * std::sqrt(ratio * scale), max_factor));
+        tables.survival_factors[i] = float(std::min(survival_safety_factor * std::sqrt(ratio * scale), max_factor));
     }
 }
 

@@ -10,13 +10,13 @@
 namespace fathom {
 
 /// Measured cost of a light sample with its shadow ray, as a fraction of the cost of a vertex.
-inline constexpr double light_cost = 0.25;
+inline constexpr double nee_cost = 0.25;
 
 /// Records of paths, with their mean cost and variance.
-struct PathsMet {
+struct PathStatistics {
     struct Part {
         const GuidingRecords* records;
-        const double* brightness_squares;  ///< by pixel; `samples` consecutive paths belong to one pixel
+        const double* squared_brightness;  ///< by pixel; `samples` consecutive paths belong to one pixel
     };
     std::vector<Part> parts;
     std::size_t samples = 0;  ///< per pixel
@@ -25,10 +25,10 @@ struct PathsMet {
 };
 
 /// Sets GuidingTables::nee_factors.
-void set_nee_factors(const PathsMet& met, GuidingTables& tables);
+void set_nee_factors(const PathStatistics& met, GuidingTables& tables);
 /// Sets GuidingTables::shadow_ray_factors.
-void set_shadow_ray_factors(const PathsMet& met, GuidingTables& tables);
+void set_shadow_ray_factors(const PathStatistics& met, GuidingTables& tables);
 /// Sets GuidingTables::survival_factors.
-void set_survival_factors(const PathsMet& met, GuidingTables& tables);
+void set_survival_factors(const PathStatistics& met, GuidingTables& tables);
 
 }  // namespace fathom

@@ -44,9 +44,9 @@ std::vector<std::uint32_t> spread_pixels(int width, int height, std::size_t coun
 
 /// Records and costs of the paths of one training pass.
 struct Pass {
-    std::vector<GuidingRecords> parts;  ///< records of the first set's jobs, then of each other set's
-    std::vector<Spread> spreads;        ///< by pixel
-    std::size_t samples = 0;            ///< per pixel and set
+    std::vector<GuidingRecords> parts;   ///< records of the first set's jobs, then of each other set's
+    std::vector<PixelVariance> spreads;  ///< by pixel
+    std::size_t samples = 0;             ///< per pixel and set
     std::uint64_t paths = 0;
     std::uint64_t vertices = 0, light_samples = 0;
 
@@ -57,7 +57,7 @@ struct Pass {
     /// Cost in units of unguided vertices. guidance: relative cost of guiding per vertex.
     double cost(double guidance) const
     {
-        return (1 - light_cost + guidance) * double(vertices) + light_cost * double(light_samples);
+        return (1 - nee_cost + guidance) * double(vertices) + nee_cost * double(light_samples);
     }
 };
 
@@ -96,13 +96,13 @@ Pass trace(const KernelScene& scene, const CameraRecord& camera, KernelSettings 
         const std::vector<float>& some = all.parts[part].radiance;
         radiance[part / parts].insert(radiance[part / parts].end(), some.begin(), some.end());
     }
-    all.spreads = spreads_of(radiance, samples);
+    all.spreads = pixel_variances(radiance, samples);
     for (const RenderCosts& c : costs) all.vertices += c.vertices, all.light_samples += c.light_samples;
     return all;
 }
 
 /// Mean relative variance of paths: variance over squared brightness.
-double noise_of(const std::vector<Spread>& spreads, const std::vector<double>& squares)
+double mean_relative_variance(const std::vector<PixelVariance>& spreads, const std::vector<double>& squares)
 {
     std::vector<double> noise(spreads.size());
     for (std::size_t i = 0; i < noise.size(); ++i) noise[i] = squares[i] > 0 ? spreads[i].variance / squares[i] : 0;
@@ -110,9 +110,9 @@ double noise_of(const std::vector<Spread>& spreads, const std::vector<double>& s
 }
 
 /// Combines a pass with the squared brightness of its pixels, which the result refers to.
-PathsMet paths_met(const Pass& pass, const std::vector<double>& squares)
+PathStatistics path_statistics(const Pass& pass, const std::vector<double>& squares)
 {
-    PathsMet met;
+    PathStatistics met;
     std::size_t pixel = 0;
     for (const GuidingRecords& part : pass.parts) {
         met.parts.push_back({&part, &squares[pixel]});
@@ -120,13 +120,13 @@ PathsMet paths_met(const Pass& pass, const std::vector<double>& squares)
     }
     met.samples = pass.samples;
     met.vertices = double(pass.vertices) / double(pass.paths);
-    met.variance = noise_of(pass.spreads, squares);
+    met.variance = mean_relative_variance(pass.spreads, squares);
     return met;
 }
 
 /// Every step-th element.
 template <class T>
-std::vector<T> thinned(const std::vector<T>& all, std::size_t step)
+std::vector<T> every_nth(const std::vector<T>& all, std::size_t step)
 {
     std::vector<T> some;
     for (std::size_t i = 0; i < all.size(); i += step) some.push_back(all[i]);
@@ -136,19 +136,19 @@ std::vector<T> thinned(const std::vector<T>& all, std::size_t step)
 /// Ratio of variance times cost without and with guiding, over the trial's pixels. guidance: as in Pass::cost.
 double gain(const Pass& plain, const Pass& guided, double guidance)
 {
-    const std::vector<Spread>& after = guided.spreads;
-    const std::vector<Spread> before = thinned(plain.spreads, trial_step);
-    std::vector<Spread> both(after.size());
+    const std::vector<PixelVariance>& after = guided.spreads;
+    const std::vector<PixelVariance> before = every_nth(plain.spreads, trial_step);
+    std::vector<PixelVariance> both(after.size());
     for (std::size_t i = 0; i < after.size(); ++i) both[i].mean = 0.5 * (before[i].mean + after[i].mean);
-    const std::vector<double> squares = brightness_squares(both);
+    const std::vector<double> squares = squared_brightness(both);
     const double share = double(guided.spreads.size()) / double(plain.spreads.size());
-    return noise_of(before, squares) / std::max(noise_of(after, squares), 1e-30) * share * plain.cost(0) /
-           std::max(guided.cost(guidance), 1.0);
+    return mean_relative_variance(before, squares) / std::max(mean_relative_variance(after, squares), 1e-30) * share *
+           plain.cost(0) / std::max(guided.cost(guidance), 1.0);
 }
 
 }  // namespace
 
-std::shared_ptr<const GuidingTables> learn_guiding(const KernelScene& scene, const CameraRecord& camera,
+std::shared_ptr<const GuidingTables> train_guiding(const KernelScene& scene, const CameraRecord& camera,
                                                    const KernelSettings& settings, const std::atomic<bool>* cancel)
 {
     const std::size_t picture = std::size_t(settings.width) * std::size_t(settings.height);
@@ -162,13 +162,14 @@ std::shared_ptr<const GuidingTables> learn_guiding(const KernelScene& scene, con
     plain.append_to(parts);
     const std::shared_ptr<GuidingTables> first = make_guiding(parts);
     if (!first) return nullptr;
-    const std::vector<double> squares = brightness_squares(plain.spreads), tried_squares = thinned(squares, trial_step);
-    const PathsMet met = paths_met(plain, squares);
+    const std::vector<double> squares = squared_brightness(plain.spreads),
+                              tried_squares = every_nth(squares, trial_step);
+    const PathStatistics met = path_statistics(plain, squares);
     if (plain.light_samples > 0) set_nee_factors(met, *first);
     set_survival_factors(met, *first);
     KernelSettings with_first = settings;
     with_first.guiding = first.get();
-    Pass guided = trace(scene, camera, with_first, thinned(pixels, trial_step), sets, samples, 0x85ebca6bu, cancel);
+    Pass guided = trace(scene, camera, with_first, every_nth(pixels, trial_step), sets, samples, 0x85ebca6bu, cancel);
     const bool samples_all = double(guided.light_samples) > max_light_samples * double(guided.vertices);
     if (samples_all) guided.light_samples = guided.vertices;
     if (gain(plain, guided, scene.has_tree() ? guidance_cost : guidance_cost_without_tree) < min_gain) return nullptr;
@@ -177,7 +178,7 @@ std::shared_ptr<const GuidingTables> learn_guiding(const KernelScene& scene, con
     if (!tables) return nullptr;
     if (plain.light_samples > 0 && !samples_all) set_nee_factors(met, *tables);
     // From here on paths are guided: costs and contributions are those of the trial.
-    PathsMet met_by_all = paths_met(guided, tried_squares);
+    PathStatistics met_by_all = path_statistics(guided, tried_squares);
     met_by_all.parts.insert(met_by_all.parts.begin(), met.parts.begin(), met.parts.end());
     set_survival_factors(met_by_all, *tables);
     if (plain.light_samples > 0) set_shadow_ray_factors(met_by_all, *tables);

@@ -87,7 +87,7 @@ void choose_cubes(const std::vector<GuidingRecord>& few, GuidingTables& t)
     for (float along = 2; along < 64; along *= 1.25f) {
         set_cubes(extent, along, t);
         std::vector<std::uint32_t> count(t.regions.size());
-        for (const GuidingRecord& r : few) ++count[place_of(r, t)];
+        for (const GuidingRecord& r : few) ++count[region_index(r, t)];
         const auto known =
             std::count_if(count.begin(), count.end(), [](std::uint32_t n) { return n >= min_records / thinning; });
         if (double(few.size()) < records_per_region / thinning * double(known)) break;
@@ -110,7 +110,7 @@ PlaceCounts count_by_place(const Parts& parts, const GuidingTables& t)
     return deterministic_reduce(parts.size(), PlaceCounts{std::vector<std::uint32_t>(t.regions.size()), 0, 0},
                                 [&](std::size_t part, PlaceCounts& sums) {
                                     for_directions(*parts[part], [&](const GuidingRecord& r) {
-                                        ++sums.count[place_of(r, t)];
+                                        ++sums.count[region_index(r, t)];
                                         sums.records += 1, sums.values += double(r.value);
                                     });
                                 });
@@ -142,7 +142,7 @@ BinSums sum_by_bin(const Parts& parts, const GuidingTables& t, std::size_t regio
     return deterministic_reduce(
         parts.size(), BinSums{std::vector<double>(regions * guiding_bins)}, [&](std::size_t part, BinSums& sums) {
             for_directions(*parts[part], [&](const GuidingRecord& r) {
-                const std::uint32_t region = t.regions[place_of(r, t)];
+                const std::uint32_t region = t.regions[region_index(r, t)];
                 if (region == no_index) return;
                 sums.bins[std::size_t(region) * guiding_bins + r.bin] += std::min(double(r.value), t.max_value);
             });

@@ -10,7 +10,7 @@ namespace fathom {
 std::shared_ptr<GuidingTables> make_guiding(const std::vector<const GuidingRecords*>& parts);
 
 /// Index of a record's region in GuidingTables::regions.
-inline std::size_t place_of(const GuidingRecord& r, const GuidingTables& t)
+inline std::size_t region_index(const GuidingRecord& r, const GuidingTables& t)
 {
     return guiding_cube(t, r.position) * guiding_sides + r.side;
 }

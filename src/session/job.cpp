@@ -47,7 +47,7 @@ RenderJob::RenderJob(const Scene& scene, const Camera& camera, const RenderSetti
                                               camera,
                                               record,
                                               {settings, compiled.key(record)},
-                                              settings.guiding ? std::make_unique<LearntGuiding>() : nullptr});
+                                              settings.guiding ? std::make_unique<TrainedGuiding>() : nullptr});
 }
 
 const Scene& RenderJob::scene() const

@@ -8,7 +8,7 @@
 namespace fathom {
 
 /// Guiding tables of a job, learned when its first samples are rendered.
-struct LearntGuiding {
+struct TrainedGuiding {
     std::once_flag once;
     std::shared_ptr<const GuidingTables> tables;
 };
@@ -19,7 +19,7 @@ struct RenderJob::Data {
     Camera camera;  ///< in world space
     CameraRecord camera_record;
     FilmKey key;
-    std::unique_ptr<LearntGuiding> guiding;  ///< null if the settings don't ask for guiding
+    std::unique_ptr<TrainedGuiding> guiding;  ///< null if the settings don't ask for guiding
 };
 
 }  // namespace fathom

@@ -57,10 +57,10 @@ KernelSettings kernel_settings(const RenderSettings& s, const FilmLayout& layout
 /// Throws Cancelled if `cancel` becomes true.
 const GuidingTables* guiding_of(const RenderJob& job, const KernelSettings& settings, const std::atomic<bool>* cancel)
 {
-    LearntGuiding* const guiding = job.data().guiding.get();
+    TrainedGuiding* const guiding = job.data().guiding.get();
     if (!guiding) return nullptr;
     std::call_once(guiding->once, [&] {
-        guiding->tables = learn_guiding(*job.scene().data().kernel, job.data().camera_record, settings, cancel);
+        guiding->tables = train_guiding(*job.scene().data().kernel, job.data().camera_record, settings, cancel);
     });
     return guiding->tables.get();
 }
@@ -117,7 +117,7 @@ struct Worker {
     TileSums sums;
     KernelCounters counters;
     std::uint64_t dropped = 0;
-    std::optional<Film::SamplePlace> dropped_sample;
+    std::optional<Film::SampleLocation> dropped_sample;
 
     /// Runs `work` and adds its time to the stages whose ticks the kernel recorded, or to `stage` if it recorded none.
     template <class Work>
@@ -139,7 +139,7 @@ struct Worker {
         if (sums.dropped == 0) return;
         const std::uint32_t at = pixels[sums.first_dropped_pixel];
         if (dropped == 0)
-            dropped_sample = Film::SamplePlace{int(at & 0xffffu), int(at >> 16), sums.first_dropped_sample};
+            dropped_sample = Film::SampleLocation{int(at & 0xffffu), int(at >> 16), sums.first_dropped_sample};
         dropped += sums.dropped;
     }
 };

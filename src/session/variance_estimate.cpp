@@ -20,13 +20,13 @@ double mean_of(const float* values, std::size_t samples)
 
 }  // namespace
 
-std::vector<Spread> spreads_of(const std::vector<std::vector<float>>& sets, std::size_t samples)
+std::vector<PixelVariance> pixel_variances(const std::vector<std::vector<float>>& sets, std::size_t samples)
 {
-    std::vector<Spread> spreads(sets[0].size() / samples);
+    std::vector<PixelVariance> spreads(sets[0].size() / samples);
     const double n = double(sets.size());
     std::vector<double> means(sets.size());
     for (std::size_t i = 0; i < spreads.size(); ++i) {
-        Spread& s = spreads[i];
+        PixelVariance& s = spreads[i];
         for (std::size_t k = 0; k < sets.size(); ++k) {
             means[k] = mean_of(&sets[k][i * samples], samples);
             s.mean += means[k] / n;
@@ -38,7 +38,7 @@ std::vector<Spread> spreads_of(const std::vector<std::vector<float>>& sets, std:
     return spreads;
 }
 
-std::vector<double> brightness_squares(const std::vector<Spread>& along_rows)
+std::vector<double> squared_brightness(const std::vector<PixelVariance>& along_rows)
 {
     const std::size_t pixels = along_rows.size();
     std::vector<double> sums(pixels + 1), squares(pixels);

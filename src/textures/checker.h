@@ -22,7 +22,7 @@ struct CheckerSpaceTexture {
 
     static Texel evaluate(const TextureGraph& graph, const TextureRecord& t, const TexturePoint& at, Mask m)
     {
-        const Vec3 p = place_of(graph.tables, t, at) * Float(t.scale);
+        const Vec3 p = texture_space_point(graph.tables, t, at) * Float(t.scale);
         const auto sine = [](Float x) { return sincos_2pi(x * Float(0.5f * inv_pi)).sin; };
         const Float odd = select(sine(p.x) * sine(p.y) * sine(p.z) < Float(0), Float(1), Float(0));
         return graph.mix(t, odd, at, m);

@@ -51,7 +51,8 @@ struct FbmTexture {
 
     static Texel evaluate(const TextureGraph& graph, const TextureRecord& t, const TexturePoint& at, Mask m)
     {
-        return graph.mix(t, detail::fbm(place_of(graph.tables, t, at) * Float(t.scale), t.gain, t.octaves), at, m);
+        return graph.mix(t, detail::fbm(texture_space_point(graph.tables, t, at) * Float(t.scale), t.gain, t.octaves),
+                         at, m);
     }
 };
 
@@ -61,7 +62,8 @@ struct WrinkledTexture {
 
     static Texel evaluate(const TextureGraph& graph, const TextureRecord& t, const TexturePoint& at, Mask m)
     {
-        return graph.mix(t, detail::wrinkles(place_of(graph.tables, t, at) * Float(t.scale), t.gain, t.octaves), at, m);
+        return graph.mix(
+            t, detail::wrinkles(texture_space_point(graph.tables, t, at) * Float(t.scale), t.gain, t.octaves), at, m);
     }
 };
 
@@ -71,7 +73,7 @@ struct WindyTexture {
 
     static Texel evaluate(const TextureGraph& graph, const TextureRecord& t, const TexturePoint& at, Mask m)
     {
-        const Vec3 p = place_of(graph.tables, t, at) * Float(t.scale);
+        const Vec3 p = texture_space_point(graph.tables, t, at) * Float(t.scale);
         const Float wind = abs(detail::fbm(p * Float(0.1f), 0.5f, 3)), waves = detail::fbm(p, 0.5f, 6);
         return graph.mix(t, wind * waves, at, m);
     }
@@ -84,7 +86,7 @@ struct VeinedMarbleTexture {
     static Texel evaluate(const TextureGraph& graph, const TextureRecord& t, const TexturePoint& at, Mask)
     {
         constexpr int pieces = 6;
-        const Vec3 p = place_of(graph.tables, t, at) * Float(t.scale);
+        const Vec3 p = texture_space_point(graph.tables, t, at) * Float(t.scale);
         const Float phase = fma(detail::fbm(p, t.gain, t.octaves), Float(t.turbulence_weight), p.y);
         const Float along = fma(sincos_2pi(phase * Float(0.5f * inv_pi)).sin, Float(0.5f), Float(0.5f)) * Float(pieces);
         const Float piece = clamp(floor(along), Float(0), Float(pieces - 1));

@@ -35,7 +35,7 @@ inline Texel between_texels(const Texel& a, const Texel& b, const Texel& c, cons
 
 /// Maps a column and row outside the image to a texel by the texture's wrap modes. Returns false in lanes that read
 /// black.
-inline Mask cross_edges(const TextureRecord& t, Float& column, Float& row)
+inline Mask apply_wrap_modes(const TextureRecord& t, Float& column, Float& row)
 {
     const Float width(static_cast<float>(t.width)), height(static_cast<float>(t.height)), one(1);
     Mask inside(true);
@@ -65,7 +65,7 @@ template <class Fetch>
 [[gnu::noinline]] Texel filter_across_edges(const TextureRecord& t, Float x, Float y, const Fetch& fetch)
 {
     const auto at = [&](Float column, Float row) {
-        const Mask inside = cross_edges(t, column, row);
+        const Mask inside = apply_wrap_modes(t, column, row);
         Texel texel = fetch(to_uint(row) * UInt(std::uint32_t(t.width)) + to_uint(column));
         for (Float& c : texel.c) c = select(inside, c, Float(0));
         return texel;

@@ -33,7 +33,7 @@ inline Float fade(Float t)
 
 /// Dot product of an offset from a lattice corner and the corner's gradient. There are 12 gradients, towards the
 /// midpoints of a cube's edges; four of them occur twice.
-inline Float along_gradient(UInt hashed, Vec3 way)
+inline Float dot_gradient(UInt hashed, Vec3 way)
 {
     const UInt h = hashed & UInt(15u);
     const Mask twice = (h & UInt(14u)) == UInt(12u);
@@ -57,8 +57,8 @@ inline Float along_gradient(UInt hashed, Vec3 way)
     // Interpolates along z (line), then y (square), then x.
     const auto line = [&](UInt column, float dx, float dy) {
         const Float fx = f.x - Float(dx), fy = f.y - Float(dy);
-        return mix(w, detail::along_gradient(permuted(column + z), {fx, fy, f.z}),
-                   detail::along_gradient(permuted(column + z + one), {fx, fy, f.z - Float(1)}));
+        return mix(w, detail::dot_gradient(permuted(column + z), {fx, fy, f.z}),
+                   detail::dot_gradient(permuted(column + z + one), {fx, fy, f.z - Float(1)}));
     };
     const auto square = [&](UInt plane, float dx) {
         return mix(v, line(permuted(plane + y), dx, 0), line(permuted(plane + y + one), dx, 1));

@@ -6,7 +6,7 @@ namespace fathom {
 inline namespace FATHOM_LANES {
 
 /// The point in the texture's own space.
-inline Vec3 place_of(const ShadingTables& tables, const TextureRecord& t, const TexturePoint& at)
+inline Vec3 texture_space_point(const ShadingTables& tables, const TextureRecord& t, const TexturePoint& at)
 {
     if (t.space == no_index) return at.p_world;
     const TextureSpaceRecord& space = tables.texture_spaces[t.space];
@@ -26,7 +26,7 @@ struct MappedUv {
 /// Texture coordinates by position, for the planar, cylindrical and spherical mappings.
 [[gnu::noinline]] inline MappedUv mapped_uv(const ShadingTables& tables, const TextureRecord& t, const TexturePoint& at)
 {
-    const Vec3 p = place_of(tables, t, at);
+    const Vec3 p = texture_space_point(tables, t, at);
     if (TextureMapping(t.mapping) == TextureMapping::planar) return {p.x, p.y};
     const Float turn = atan2(p.y, p.x) * Float(0.5f * inv_pi);
     if (TextureMapping(t.mapping) == TextureMapping::cylindrical) return {turn + Float(0.5f), p.z};

@@ -51,7 +51,7 @@ struct NoiseTexture {
 
     static Texel evaluate(const TextureGraph& graph, const TextureRecord& t, const TexturePoint& at, Mask m)
     {
-        const Float noise = detail::perlin_noise(place_of(graph.tables, t, at) * Float(t.scale));
+        const Float noise = detail::perlin_noise(texture_space_point(graph.tables, t, at) * Float(t.scale));
         return graph.mix(t, fma(noise, Float(0.5f), Float(0.5f)), at, m);
     }
 };
@@ -62,7 +62,8 @@ struct TurbulenceTexture {
 
     static Texel evaluate(const TextureGraph& graph, const TextureRecord& t, const TexturePoint& at, Mask m)
     {
-        return graph.mix(t, detail::turbulence(place_of(graph.tables, t, at) * Float(t.scale), t.octaves), at, m);
+        return graph.mix(t, detail::turbulence(texture_space_point(graph.tables, t, at) * Float(t.scale), t.octaves),
+                         at, m);
     }
 };
 
@@ -72,7 +73,7 @@ struct MarbleTexture {
 
     static Texel evaluate(const TextureGraph& graph, const TextureRecord& t, const TexturePoint& at, Mask m)
     {
-        const Vec3 p = place_of(graph.tables, t, at);
+        const Vec3 p = texture_space_point(graph.tables, t, at);
         const Float phase = fma(detail::turbulence(p, t.octaves), Float(t.turbulence_weight), p.z * Float(t.scale));
         return graph.mix(t, fma(sincos_2pi(phase * Float(0.5f * inv_pi)).sin, Float(0.5f), Float(0.5f)), at, m);
     }

@@ -126,7 +126,7 @@ SceneDescription load_scene(const std::filesystem::path& file, const LoadOptions
     return load_scene_file(file, options, warnings).scene;
 }
 
-Completed complete_scene(SceneDescription& scene, const CompleteOptions& options)
+CompletedScene complete_scene(SceneDescription& scene, const CompleteOptions& options)
 {
     if (!scene.cameras.empty() && !options.force_camera) return {};
     // Before the others, as the library does.
@@ -152,7 +152,7 @@ std::vector<MemoryEstimate> estimate_memory(const SceneDescription& scene, TreeB
 }
 
 struct Scene::Data {
-    SceneStatistics statistics;
+    CompileStatistics statistics;
     Camera camera;
 };
 
@@ -200,7 +200,7 @@ const SceneDescription& SceneEdit::description() const
 {
     return data_->scene;
 }
-void SceneEdit::set_pose(ScenePose pose)
+void SceneEdit::set_pose(AnimationPose pose)
 {
     fathom::set_pose(data_->scene, std::move(pose));
 }
@@ -232,7 +232,7 @@ AutoLitScene compile_lit(SceneEdit& edit, LightChoice light, double aspect, Warn
     return lit;
 }
 
-const SceneStatistics& Scene::statistics() const
+const CompileStatistics& Scene::statistics() const
 {
     return data_->statistics;
 }
@@ -288,7 +288,7 @@ bool render(const RenderJob& job, SampleRange range, Film& film, const std::atom
         if (on_pass) on_pass(progress, film);
     }
     data.dropped = dropped_per_render;
-    if (data.dropped > 0) data.dropped_sample = Film::SamplePlace{7, 8, 9};
+    if (data.dropped > 0) data.dropped_sample = Film::SampleLocation{7, 8, 9};
     return true;
 }
 Color render_sample(const RenderJob&, int x, int y, std::uint64_t sample)

@@ -121,7 +121,7 @@ protected:
     {
         const Scene fresh = Scene::compile(edit.description(), "", warnings);
         const Scene edited = edit.compile(warnings);
-        EXPECT_EQ(edit.compiled_anew(), anew);
+        EXPECT_EQ(edit.recompiled(), anew);
         EXPECT_EQ(edited.fingerprint(), fresh.fingerprint());
         EXPECT_EQ(picture(edited), picture(fresh));
         EXPECT_EQ(edited.statistics().triangles, fresh.statistics().triangles);
@@ -362,15 +362,15 @@ TEST_F(Editing, PosesAreExact)
     room.d.meshes[std::size_t(room.soft)].uvs[0].assign(4, {0, 0});
     SceneEdit edit(room.d);
     edit.compile(warnings);
-    const auto expect_exact = [&](const ScenePose& pose, bool anew) {
+    const auto expect_exact = [&](const AnimationPose& pose, bool anew) {
         edit.set_pose(pose);
         const Scene fresh = Scene::compile(edit.description(), "", warnings);
         const Scene edited = edit.compile_exactly(warnings);
-        EXPECT_EQ(edit.compiled_anew(), anew);
+        EXPECT_EQ(edit.recompiled(), anew);
         EXPECT_EQ(edited.fingerprint(), fresh.fingerprint());
         EXPECT_EQ(picture(edited), picture(fresh));
     };
-    ScenePose pose;
+    AnimationPose pose;
     pose.nodes = {{room.movable[0], Transform::translate({-3, 1, 0})}};
     pose.meshes.resize(1);
     pose.meshes[0].mesh = room.soft;

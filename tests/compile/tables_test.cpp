@@ -50,7 +50,7 @@ TEST(MaterialTable, KeepsWhatTheMaterialSays)
     const MediumRecord& enclosed = t.media[t.materials[1].medium];
     EXPECT_EQ(enclosed.ior, 1);
     EXPECT_EQ(enclosed.extinction, t.media[r.medium].extinction);
-    EXPECT_TRUE(enclosed.is_open && !t.media[r.medium].is_open);
+    EXPECT_TRUE(enclosed.is_index_matched && !t.media[r.medium].is_index_matched);
     EXPECT_EQ(t.materials[2].medium, 0u);
     EXPECT_EQ(t.media.size(), 3u);
     EXPECT_EQ(t.media[0].ior, 1);

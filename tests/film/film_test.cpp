@@ -164,7 +164,7 @@ TEST(FilmMerge, InPiecesIsTheSame)
         }
     }
     own.data().dropped = 2;
-    own.data().dropped_sample = Film::SamplePlace{1, 1, 4};
+    own.data().dropped_sample = Film::SampleLocation{1, 1, 4};
     whole.merge(own);
 
     pieces.begin_merge(own.key(), own.samples(), own.dropped_samples(), own.dropped_sample());

@@ -84,11 +84,11 @@ TEST(Guidance, KnowsTheSideThatASurfaceFaces)
         EXPECT_EQ(test::first(guidance_of(t, middle, normals[side]).survival_factor()), float(side));
         // The pole is the side's direction, and turning back gives what was turned.
         const Vec3 d(Vec3f{0.36f, -0.48f, 0.8f});
-        const Vec3 again = from_pole(UInt(side), to_pole(UInt(side), d));
+        const Vec3 again = from_histogram_frame(UInt(side), to_histogram_frame(UInt(side), d));
         EXPECT_EQ(test::first(again.x), 0.36f);
         EXPECT_EQ(test::first(again.y), -0.48f);
         EXPECT_EQ(test::first(again.z), 0.8f);
-        EXPECT_GT(test::first(to_pole(UInt(side), Vec3(normals[side])).z), 0.7f);
+        EXPECT_GT(test::first(to_histogram_frame(UInt(side), Vec3(normals[side])).z), 0.7f);
     }
 }
 
@@ -168,7 +168,7 @@ TEST(Guidance, ChancesOfLightSamplesAreProbabilities)
     GuidingTables t = some_tables(8);
     for (float need : {0.0f, 0.25f, 2.0f, 1e30f}) t.nee_factors.push_back(need);
     const auto chance = [&](std::uint32_t cube, float throughput) {
-        return test::first(light_chance(t, UInt(cube), Float(throughput), Mask(true)));
+        return test::first(nee_probability(t, UInt(cube), Float(throughput), Mask(true)));
     };
     EXPECT_EQ(chance(0, 1), 0.125f);
     EXPECT_EQ(chance(1, 0), 0.125f);
@@ -180,7 +180,7 @@ TEST(Guidance, ChancesOfLightSamplesAreProbabilities)
     EXPECT_EQ(chance(2, 1), 1);
     EXPECT_EQ(chance(3, 0.5f), 1);
     // Lanes that are off read nothing, wherever they are.
-    EXPECT_EQ(test::first(light_chance(t, UInt(0xfffffff0u), Float(1), Mask(false))), 0.125f);
+    EXPECT_EQ(test::first(nee_probability(t, UInt(0xfffffff0u), Float(1), Mask(false))), 0.125f);
 }
 
 }  // namespace

@@ -62,10 +62,10 @@ void expect_spot(SpotFalloff falloff)
         const Vec3d to = at - Vec3d{x, 0, 0};
         const double c = dot(along, normalize(to) * -1.0);
         const double share = std::clamp((c - std::cos(outer)) / (std::cos(inner) - std::cos(outer)), 0.0, 1.0);
-        const double by_angle = std::clamp((outer - std::acos(std::min(c, 1.0))) / (outer - inner), 0.0, 1.0);
+        const double by_solid_angle = std::clamp((outer - std::acos(std::min(c, 1.0))) / (outer - inner), 0.0, 1.0);
         const double factor = falloff == SpotFalloff::square   ? share * share
                               : falloff == SpotFalloff::smooth ? share * share * (3 - 2 * share)
-                                                               : by_angle;
+                                                               : by_solid_angle;
         floor.expect(x, 0, 5 * factor * to.y / std::pow(length(to), 3), 3e-3);
         (share == 1 ? full : share == 0 ? none : falling)++;
     }

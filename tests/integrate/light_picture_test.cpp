@@ -395,7 +395,7 @@ TEST(LightPictures, Edits)
         const std::uint64_t now = edit.compile(warnings).fingerprint();
         EXPECT_EQ(now, Scene::compile(b.scene, "", warnings).fingerprint());
         EXPECT_NE(now, before);
-        EXPECT_EQ(edit.compiled_anew(), anew);
+        EXPECT_EQ(edit.recompiled(), anew);
         before = now;
     };
     change("fov", false, [](Light& l) { l.fov = 0.5; });

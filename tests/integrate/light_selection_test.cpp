@@ -184,7 +184,7 @@ TEST(LightSelections, FollowAnEdit)
     };
     ASSERT_TRUE(scene.nodes[std::size_t(lamps)].movable);
     EXPECT_EQ(picture(edit.compile(warnings)), picture(Scene::compile(scene, "", warnings)));
-    EXPECT_FALSE(edit.compiled_anew());
+    EXPECT_FALSE(edit.recompiled());
 }
 
 }  // namespace

@@ -55,7 +55,7 @@ TEST(Lanes, LeastOfEach)
         Float x[16];
         float out[16];
         for (Float& a : x) a = random.next() - Float(0.5f);
-        min_each(x, out);
+        reduce_min_each(x, out);
         for (int i = 0; i < 16; ++i) {
             float y[lanes];
             store(y, x[i]);
@@ -71,7 +71,7 @@ TEST(Lanes, RunningSums)
     for (int n = 0; n < 50; ++n) {
         std::uint32_t x[native::lanes], sums[native::lanes], sum = 0;
         for (std::uint32_t& a : x) a = std::uint32_t(first(random.next()) * 65536);
-        native::store(sums, native::running_sums(native::load(x)));
+        native::store(sums, native::prefix_sums(native::load(x)));
         for (int i = 0; i < native::lanes; ++i) EXPECT_EQ(sums[i], sum += x[i]) << i;
     }
 }

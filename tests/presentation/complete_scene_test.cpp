@@ -41,7 +41,7 @@ TEST_F(CompleteScene, FramesFromEveryDirection)
             options.azimuth_deg = azimuth;
             options.elevation_deg = elevation;
             options.aspect = 16.0 / 9;
-            const Completed completed = complete_scene(scene, options);
+            const CompletedScene completed = complete_scene(scene, options);
             EXPECT_EQ(completed.added.size(), 1u);
             ASSERT_EQ(scene.cameras.size(), 1u);
             double widest = 0;
@@ -122,18 +122,18 @@ TEST_F(CompleteScene, TurnsAboutTheSceneWithAllInView)
                                              {"box": {"min": [0, 5, 2], "max": [1, 9, 3]}}]})");
             CompleteOptions options;
             options.azimuth_deg = 77, options.elevation_deg = elevation, options.aspect = aspect;
-            options.turned_about = Vec3d{2.7, 7, 2.3};
+            options.orbit_center = Vec3d{2.7, 7, 2.3};
             complete_scene(scene, options);
             const Camera first = scene.cameras[0];
             double widest = 0;
             for (int turn = 0; turn < 360; ++turn) {
-                const Transform turned = Transform::translate(*options.turned_about) *
+                const Transform turned = Transform::translate(*options.orbit_center) *
                                          Transform::rotate({0, 1, 0}, turn * std::numbers::pi / 180) *
-                                         Transform::translate(-*options.turned_about);
+                                         Transform::translate(-*options.orbit_center);
                 Camera camera = first;
                 camera.position = turned.point(first.position), camera.look_at = turned.point(first.look_at);
                 camera.up = turned.vector(first.up);
-                EXPECT_NEAR(in_picture(camera, aspect, *options.turned_about).first, 0, 1e-12);
+                EXPECT_NEAR(in_picture(camera, aspect, *options.orbit_center).first, 0, 1e-12);
                 for (int i = 0; i < 16; ++i) {
                     const bool low = i < 8;
                     const auto [x, y] = in_picture(

@@ -1,4 +1,4 @@
-#include "fathom/scene_parts.h"
+#include "fathom/scene_digest.h"
 
 #include <gtest/gtest.h>
 
@@ -16,7 +16,7 @@ SceneDescription made_scene()
 
 std::string difference(const SceneDescription& now)
 {
-    return scene_parts_difference(scene_parts(made_scene()), scene_parts(now));
+    return scene_digest_difference(scene_digest(made_scene()), scene_digest(now));
 }
 
 TEST(SceneParts, TellWhatDiffers)
@@ -54,7 +54,7 @@ TEST(SceneParts, NamesCountNotIndices)
     before.materials[0].base_color.texture = 0;
     now.textures.insert(now.textures.begin(), Texture())->name = "other";
     now.materials[0].base_color.texture = 1;
-    EXPECT_EQ(scene_parts_difference(scene_parts(before), scene_parts(now)), "texture 'other' is new");
+    EXPECT_EQ(scene_digest_difference(scene_digest(before), scene_digest(now)), "texture 'other' is new");
 }
 
 }  // namespace

@@ -9,14 +9,14 @@ namespace {
 TEST(PathNoise, SpreadsOfPixels)
 {
     // Means of 2, 2, 3 and 5, 2, 1.
-    const std::vector<Spread> pairs = spreads_of({{1, 3, 2, 2, 0, 6}, {4, 6, 0, 4, 1, 1}}, 2);
+    const std::vector<PixelVariance> pairs = pixel_variances({{1, 3, 2, 2, 0, 6}, {4, 6, 0, 4, 1, 1}}, 2);
     ASSERT_EQ(pairs.size(), 3u);
     const double means[] = {3.5, 2, 2}, variances[] = {9, 0, 4};
     for (std::size_t i = 0; i < 3; ++i) {
         EXPECT_DOUBLE_EQ(pairs[i].mean, means[i]) << i;
         EXPECT_DOUBLE_EQ(pairs[i].variance, variances[i]) << i;
     }
-    const std::vector<Spread> fours = spreads_of({{1, 2, 3, 6}, {0, 0, 0, 20}, {6, 4, 8, 10}}, 4);
+    const std::vector<PixelVariance> fours = pixel_variances({{1, 2, 3, 6}, {0, 0, 0, 20}, {6, 4, 8, 10}}, 4);
     ASSERT_EQ(fours.size(), 1u);
     EXPECT_DOUBLE_EQ(fours[0].mean, 5);
     EXPECT_DOUBLE_EQ(fours[0].variance, 4 * (4 + 0 + 4) / 2.0);
@@ -25,9 +25,9 @@ TEST(PathNoise, SpreadsOfPixels)
 /// A pixel's light counts for the sixteen on either side, as far as there are any; the mean's for all.
 TEST(PathNoise, BrightnessIsThatOfNeighbours)
 {
-    std::vector<Spread> pixels(40);
+    std::vector<PixelVariance> pixels(40);
     pixels[20].mean = 33;
-    const std::vector<double> squares = brightness_squares(pixels);
+    const std::vector<double> squares = squared_brightness(pixels);
     ASSERT_EQ(squares.size(), 40u);
     const double of_mean = 0.1 * (33.0 / 40) * (33.0 / 40);
     for (std::size_t i = 0; i < 40; ++i) {
@@ -37,7 +37,7 @@ TEST(PathNoise, BrightnessIsThatOfNeighbours)
         if (i >= 24 && i <= 36) around = 33.0 / double(56 - i);
         EXPECT_NEAR(squares[i], around * around + of_mean, 1e-12) << i;
     }
-    EXPECT_DOUBLE_EQ(brightness_squares({{3, 1}})[0], 9.9);
+    EXPECT_DOUBLE_EQ(squared_brightness({{3, 1}})[0], 9.9);
 }
 
 /// Of a thousand numbers the largest is left out.

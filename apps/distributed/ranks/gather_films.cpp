@@ -38,10 +38,10 @@ void begin_merge(Film& into, const std::string& header)
     std::vector<SampleRange> samples;
     if (!lines.at(0).empty())
         for (const std::string& range : split(lines[0], ',')) samples.push_back(parse_sample_range(range));
-    std::optional<Film::SamplePlace> dropped;
+    std::optional<Film::SampleLocation> dropped;
     if (lines.size() > 2) {
         const std::vector<std::string> parts = split(lines[2], ' ');
-        dropped = Film::SamplePlace{std::stoi(parts.at(0)), std::stoi(parts.at(1)), std::stoull(parts.at(2))};
+        dropped = Film::SampleLocation{std::stoi(parts.at(0)), std::stoi(parts.at(1)), std::stoull(parts.at(2))};
     }
     into.begin_merge(into.key(), samples, std::stoull(lines.at(1)), dropped);
 }

@@ -34,7 +34,7 @@ RankCheckpoint::RankCheckpoint(const RenderPlan& plan, const ImageOptions& files
       saved_samples_(0)
 {
     if (plan.checkpoint.file.empty() || !plan.ranks->leads()) return;
-    film = checkpoint_.open(job, plan.samples.range, plan.scene_parts);
+    film = checkpoint_.open(job, plan.samples.range, plan.scene_digest);
     saved_samples_ = samples_before = film.samples_per_pixel();
     if (!checkpoint_.has_rank_files()) return;
     // This run's ranks will overwrite the files of earlier ranks, so their samples are saved first.

@@ -52,7 +52,7 @@ void RankRender::render_and_save()
 
 void RankRender::render_ranges()
 {
-    learn_guiding();
+    train_guiding();
     double sample_s = 0;
     while (!interrupted()) {
         const std::optional<SampleRange> range = next_range(sample_s);
@@ -64,7 +64,7 @@ void RankRender::render_ranges()
 }
 
 /// Runs before the first range, whose time is to measure the speed of rendering alone.
-void RankRender::learn_guiding()
+void RankRender::train_guiding()
 {
     const double begin_s = seconds_since_start();
     render(job_, {0, 0}, own_.film, &interrupted());

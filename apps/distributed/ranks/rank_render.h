@@ -56,7 +56,7 @@ protected:
     std::uint64_t pixels_ = 0;
 
 private:
-    void learn_guiding();
+    void train_guiding();
     void render_ranges();
     void render_range(SampleRange range);
 };

@@ -88,7 +88,7 @@ std::vector<unsigned char> read_headers(const InputFile& file)
 
 /// Runs an action and adds the file name to its errors: the code below it knows sums, not files.
 template <class Action>
-auto naming(const std::string& file, const char* place, Action action)
+auto with_file_name(const std::string& file, const char* place, Action action)
 {
     try {
         return action();
@@ -158,7 +158,7 @@ void FilmFile::Data::read_start()
         throw Error(name, "", "another program has written its sums anew: they must stand as Fathom wrote them");
     read_channels(header);
     const auto height = std::uint64_t(settings.height);
-    line = line_start + line_bytes(header);
+    line = line_header_bytes + line_bytes(header);
     if (file.size != start.size() + height * (sizeof(std::uint64_t) + line))
         throw Error(name, "", "the file is cut short or damaged");
     const std::size_t headers = start.size();
@@ -183,9 +183,9 @@ void FilmFile::Data::read_attributes(const Imf::Header& header)
     if (const std::string written = take(version_attribute); written != version)
         throw Error(file.name, version_attribute,
                     fmt::format("its sums are of version {}, this program reads version {}", written, version));
-    key = naming(file.name, key_attribute, [&] { return FilmKey::parse(take(key_attribute)); });
-    samples = naming(file.name, samples_attribute, [&] { return parse_samples(take(samples_attribute)); });
-    dropped = naming(file.name, dropped_attribute, [&] { return parse_number(take(dropped_attribute)); });
+    key = with_file_name(file.name, key_attribute, [&] { return FilmKey::parse(take(key_attribute)); });
+    samples = with_file_name(file.name, samples_attribute, [&] { return parse_samples(take(samples_attribute)); });
+    dropped = with_file_name(file.name, dropped_attribute, [&] { return parse_number(take(dropped_attribute)); });
     packing = take(packing_attribute);
     checksum = take(checksum_attribute);
 }
@@ -193,10 +193,10 @@ void FilmFile::Data::read_attributes(const Imf::Header& header)
 void FilmFile::Data::read_channels(const Imf::Header& header)
 {
     const RenderSettings& settings = key.settings;
-    words = naming(file.name, packing_attribute,
-                   [&] { return Packing(FilmLayout(settings.aovs, settings.alpha), packing).words(); });
+    words = with_file_name(file.name, packing_attribute,
+                           [&] { return Packing(FilmLayout(settings.aovs, settings.alpha), packing).words(); });
     int found = 0;
-    std::size_t place = line_start;
+    std::size_t place = line_header_bytes;
     for (auto c = header.channels().begin(); c != header.channels().end(); ++c) {
         const std::string name = c.name();
         if (c.channel().xSampling != 1 || c.channel().ySampling != 1)
@@ -219,7 +219,7 @@ void FilmFile::Data::read_line(std::size_t y, std::vector<unsigned char>& bytes)
     file.read(start.size() + y * line, bytes.data(), line);
     std::int32_t numbers[2];
     std::memcpy(numbers, bytes.data(), sizeof numbers);
-    if (numbers[0] != std::int32_t(y) || std::size_t(numbers[1]) != line - line_start)
+    if (numbers[0] != std::int32_t(y) || std::size_t(numbers[1]) != line - line_header_bytes)
         throw Error(file.name, fmt::format("line {}", y), "the file is damaged");
 }
 
@@ -266,7 +266,7 @@ void FilmFile::add_to(Film& film) const
 {
     const Data& from = *data_;
     Film::Data& to = film.data();
-    naming(from.file.name, "", [&] { to.take_samples(from.key, from.samples, from.dropped); });
+    with_file_name(from.file.name, "", [&] { to.register_samples(from.key, from.samples, from.dropped); });
     const Packing packing(to.layout, from.packing);
     struct Buffers {
         std::vector<unsigned char> line, packed;

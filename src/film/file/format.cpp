@@ -16,7 +16,7 @@ namespace fathom::film_format {
 namespace {
 
 /// Parses the number that `text` begins with, and removes it from `text`.
-std::uint64_t take_number(std::string_view& text)
+std::uint64_t parse_leading_number(std::string_view& text)
 {
     std::uint64_t number = 0;
     const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
@@ -50,10 +50,10 @@ std::vector<SampleRange> parse_samples(const std::string& text)
             rest.remove_prefix(1);
         }
         SampleRange range;
-        range.first = take_number(rest);
+        range.first = parse_leading_number(rest);
         if (rest.empty() || rest.front() != ':') throw Error("", "", "expected ranges as 0:16,32:48");
         rest.remove_prefix(1);
-        range.second = take_number(rest);
+        range.second = parse_leading_number(rest);
         const bool in_order = samples.empty() || samples.back().second < range.first;
         if (range.first >= range.second || range.second > max_samples || !in_order)
             throw Error("", "",
@@ -66,7 +66,7 @@ std::vector<SampleRange> parse_samples(const std::string& text)
 std::uint64_t parse_number(const std::string& text)
 {
     std::string_view rest = text;
-    const std::uint64_t number = take_number(rest);
+    const std::uint64_t number = parse_leading_number(rest);
     if (!rest.empty()) throw Error("", "", fmt::format("expected a number, found '{}' after it", rest.substr(0, 40)));
     return number;
 }
@@ -84,7 +84,7 @@ std::size_t line_bytes(const Imf::Header& header)
     return pixel * std::size_t(std::int64_t(window.max.x) - window.min.x + 1);
 }
 
-std::size_t checksum_place(std::span<const unsigned char> headers)
+std::size_t checksum_offset(std::span<const unsigned char> headers)
 {
     using namespace std::string_literals;
     const std::string before = checksum_attribute + "\0string\0\x10\0\0\0"s;
@@ -102,7 +102,7 @@ std::uint64_t line_checksum(const unsigned char* line, std::size_t size)
 
 std::string file_checksum(std::span<const unsigned char> start, const std::vector<std::uint64_t>& lines)
 {
-    const std::size_t place = checksum_place(start);
+    const std::size_t place = checksum_offset(start);
     const std::string zeros(checksum_digits, '0');
     XXH3_state_t state;
     XXH3_64bits_reset(&state);

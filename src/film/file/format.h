@@ -22,7 +22,7 @@ inline constexpr const char* checksum_attribute = "fathom.sums.checksum";
 inline constexpr const char* version = "1";
 
 /// Bytes before a scanline's channels: its y coordinate and the length of its data.
-inline constexpr std::size_t line_start = 8;
+inline constexpr std::size_t line_header_bytes = 8;
 
 /// Name of the channel that holds a word of the sums: "sums.007".
 std::string sums_channel(int word);
@@ -40,7 +40,7 @@ std::size_t line_bytes(const Imf::Header& header);
 /// Offset of the checksum digits in the headers. The checksum counts these digits as zeros. Throws Error if there are
 /// none.
 inline constexpr std::size_t checksum_digits = 16;
-std::size_t checksum_place(std::span<const unsigned char> headers);
+std::size_t checksum_offset(std::span<const unsigned char> headers);
 /// Checksum of one scanline, from its y coordinate to its end.
 std::uint64_t line_checksum(const unsigned char* line, std::size_t size);
 /// Checksum of the file: over all bytes before the scanlines, and the checksums of the scanlines in order.

@@ -189,7 +189,7 @@ void FilmSnapshot::take(const Film& film, const Image& picture, const WriteOptio
 
     std::vector<unsigned char> start = header_bytes(channels.header);
     const auto height = std::size_t(data.height);
-    const std::size_t line = line_start + line_bytes(channels.header);
+    const std::size_t line = line_header_bytes + line_bytes(channels.header);
     const std::size_t first_line = start.size() + height * sizeof(std::uint64_t);
     for (std::size_t y = 0; y < height; ++y) {
         const std::uint64_t place = first_line + y * line;
@@ -202,13 +202,13 @@ void FilmSnapshot::take(const Film& film, const Image& picture, const WriteOptio
     std::vector<std::uint64_t> checksums(height);
     tbb::parallel_for(std::size_t(0), height, [&](std::size_t y) {
         unsigned char* const to = data_->bytes.data() + first_line + y * line;
-        const std::int32_t numbers[] = {std::int32_t(y), std::int32_t(line - line_start)};
+        const std::int32_t numbers[] = {std::int32_t(y), std::int32_t(line - line_header_bytes)};
         std::memcpy(to, numbers, sizeof numbers);
-        writer.write(y, to + line_start);
+        writer.write(y, to + line_header_bytes);
         checksums[y] = line_checksum(to, line);
     });
     const std::string checksum = file_checksum(start, checksums);
-    std::copy(checksum.begin(), checksum.end(), start.begin() + std::ptrdiff_t(checksum_place(start)));
+    std::copy(checksum.begin(), checksum.end(), start.begin() + std::ptrdiff_t(checksum_offset(start)));
     std::copy(start.begin(), start.end(), data_->bytes.data());
 }
 

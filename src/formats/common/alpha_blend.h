@@ -4,7 +4,7 @@
 namespace fathom {
 
 /// Whether the material is a fully transparent interface that rays pass without any effect.
-inline bool is_nothing(const Material& m)
+inline bool is_null_interface(const Material& m)
 {
     return m.kind == MaterialKind::none && m.alpha.value == 0;
 }

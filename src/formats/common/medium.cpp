@@ -4,7 +4,7 @@
 
 namespace fathom {
 
-std::string surround(SceneDescription& scene, Material medium)
+std::string add_surrounding_medium(SceneDescription& scene, Material medium)
 {
     Bounds box = world_bounds(scene);
     for (const Camera& camera : scene.cameras) {

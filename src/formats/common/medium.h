@@ -10,7 +10,7 @@
 namespace fathom {
 
 /// An index-matched boundary: it neither reflects nor refracts, and only separates media.
-inline Material open_boundary()
+inline Material index_matched_boundary()
 {
     Material m;
     m.kind = MaterialKind::glass;
@@ -42,7 +42,7 @@ inline void fill_solid(Material& solid, Color absorption, Color scattering, floa
 /// Collects the media that a scene format names inside and outside of each shape. Fathom derives the outside medium
 /// from enclosing solids, so outside media that no shape or camera is inside of are reported or handled separately.
 template <class Medium>
-class MediaOfShapes {
+class ShapeMedia {
 public:
     /// Registers the media of one shape; null for vacuum.
     void add(const Medium* inside, const Medium* outside)
@@ -52,7 +52,7 @@ public:
             outside_.push_back(outside);
     }
     /// Outside media that are neither inside a shape nor around the camera, in order of registration.
-    std::vector<const Medium*> nowhere(const Medium* around_camera) const
+    std::vector<const Medium*> not_enclosed(const Medium* around_camera) const
     {
         std::vector<const Medium*> found;
         for (const Medium* medium : outside_)
@@ -64,11 +64,11 @@ private:
     std::set<const Medium*> inside_;
     std::vector<const Medium*> outside_;
 };
-inline constexpr const char* medium_is_nowhere =
+inline constexpr const char* medium_not_enclosed_message =
     "is around shapes, but neither in one nor around the camera: nothing is there";
 
 /// Adds a sphere filled with a medium around all shapes and cameras, with twice the radius of their bounds and the
 /// lowest priority: it applies wherever no other medium does. Returns a warning, or an empty string.
-std::string surround(SceneDescription& scene, Material medium);
+std::string add_surrounding_medium(SceneDescription& scene, Material medium);
 
 }  // namespace fathom

@@ -11,7 +11,7 @@ namespace fathom {
 ///
 /// A texture is mapped by a piecewise linear curve: square roots are accurate to 0.9 % above 0.05 and to 1.8 % above
 /// 0.01.
-inline FloatInput to_power(SceneDescription& scene, FloatInput input, double power)
+inline FloatInput raise_to_power(SceneDescription& scene, FloatInput input, double power)
 {
     const auto raised = [&](double x) { return float(std::pow(std::clamp(x, 0.0, 1.0), power)); };
     if (input.texture < 0) {

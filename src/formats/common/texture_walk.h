@@ -41,7 +41,7 @@ inline bool has_anisotropy(const SceneDescription& scene, const Material& m)
 inline bool reaches_uv(const SceneDescription& scene, const Material& m)
 {
     bool found = has_anisotropy(scene, m);
-    for_each_reached(scene, m, [&](int texture) { found |= looks_at_uv(scene.textures[std::size_t(texture)]); });
+    for_each_reached(scene, m, [&](int texture) { found |= reads_uv(scene.textures[std::size_t(texture)]); });
     return found;
 }
 

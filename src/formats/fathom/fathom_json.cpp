@@ -214,7 +214,7 @@ void FathomJsonReader::read_unused()
 }
 
 /// Adds named cameras and lights that no node refers to as root nodes.
-void FathomJsonReader::place_unplaced()
+void FathomJsonReader::add_unplaced_to_roots()
 {
     const auto add = [&](const std::string& name, int Node::* member, Placed& placed) {
         if (placed.is_placed) return;
@@ -256,19 +256,19 @@ SceneDescription FathomJsonReader::read()
             scene_.roots.push_back(node(v, 0));
         }
     }
-    place_unplaced();
+    add_unplaced_to_roots();
     if (auto environment = o.get("environment")) read_environment(*environment);
     scene_.hints.own_light = true;
     if (auto render = o.get("render")) read_render(*render);
     o.done("in a scene");
     read_unused();
-    keep_own_light();
+    keep_zero_exposure();
     return std::move(scene_);
 }
 
 /// Fixes the exposure of scenes with light of their own (`own_light`) at 0 if they have emission or an environment.
 /// Scenes with only lamps, which are in physical units, keep automatic exposure.
-void FathomJsonReader::keep_own_light()
+void FathomJsonReader::keep_zero_exposure()
 {
     const bool emits = std::any_of(scene_.materials.begin(), scene_.materials.end(), [](const Material& m) {
         return std::max({m.emission.value.r, m.emission.value.g, m.emission.value.b}) > 0;

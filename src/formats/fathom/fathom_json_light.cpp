@@ -14,7 +14,7 @@ namespace {
 using Units = std::vector<std::pair<std::string, double>>;
 
 /// A rotation that maps -z, the direction of lights, to `direction`, and +y toward `up` if it is given.
-Transform shining_along(Vec3d direction, const std::optional<Vec3d>& up)
+Transform light_rotation(Vec3d direction, const std::optional<Vec3d>& up)
 {
     const Vec3d z = -normalize(direction);
     const Vec3d other = up ? normalize(*up) : std::abs(z.y) < 0.9 ? Vec3d{0, 1, 0} : Vec3d{1, 0, 0};
@@ -115,7 +115,7 @@ FathomJsonReader::Placed FathomJsonReader::add_light(const JsonValue& v, const s
             if (length(cross(*up, direction)) <= 1e-9 * length(*up) * length(direction))
                 v["up"].fail("must have a length and not be along 'direction'");
         }
-        placed.place = placed.place * shining_along(direction, up);
+        placed.place = placed.place * light_rotation(direction, up);
     }
     o.done(fmt::format("in a light of kind '{}'", v["kind"].string()));
     const double factor = intensity * unit;

@@ -58,8 +58,8 @@ private:
     void read_cameras(JsonObject& scene);
     void read_environment(const JsonValue& v);
     void read_render(const JsonValue& v);
-    void keep_own_light();
-    void place_unplaced();
+    void keep_zero_exposure();
+    void add_unplaced_to_roots();
     /// Reads things that nothing refers to, so that errors in them are reported.
     void read_unused();
 

@@ -36,17 +36,17 @@ GlbMaterials::GlbMaterials(const SceneDescription& scene, GlbBuffer& buffer, con
 int GlbMaterials::index(int material)
 {
     const auto [found, is_new] = indices_.try_emplace(material, int(materials_.size()));
-    if (is_new) materials_.push_back(material_json(material < 0 ? Material() : greater_part(material)));
+    if (is_new) materials_.push_back(material_json(material < 0 ? Material() : dominant_material(material)));
     return found->second;
 }
 
-Material GlbMaterials::greater_part(int material)
+Material GlbMaterials::dominant_material(int material)
 {
     const Material& m = scene_.materials[std::size_t(material)];
     if (m.kind != MaterialKind::mix && m.kind != MaterialKind::two_sided) return m;
     const float factor =
         m.kind == MaterialKind::mix ? (m.factor.texture < 0 ? 1 : mean_of(m.factor.texture).g) * m.factor.value : 0;
-    Material part = greater_part(factor > 0.5f ? m.material_b : m.material_a);
+    Material part = dominant_material(factor > 0.5f ? m.material_b : m.material_a);
     current_ = &m;
     report(m.kind == MaterialKind::mix ? "a mix of materials: the one that has more of it is taken"
                                        : "another material on the back: it is like the front");
@@ -280,7 +280,7 @@ namespace {
 
 /// Converts two roughnesses to glTF's roughness and anisotropy. False if textures prevent it: the roughness across the
 /// tangent is kept then.
-bool join_roughnesses(Material& m)
+bool anisotropy_from_roughnesses(Material& m)
 {
     const FloatInput along = m.anisotropy;
     const bool is_plain = along.texture < 0 && m.roughness.texture < 0;
@@ -297,7 +297,7 @@ bool join_roughnesses(Material& m)
 }
 
 /// The principled layers that come closest to a Disney material.
-Material as_layers(Material m)
+Material principled_from_disney(Material m)
 {
     m.kind = MaterialKind::principled;
     m.transmission_color = m.base_color;
@@ -331,9 +331,9 @@ Json GlbMaterials::material_json(const Material& given)
     }
     if (m.kind == MaterialKind::disney) {
         report("how Disney's lobes are added: they are layers");
-        m = as_layers(m);
+        m = principled_from_disney(m);
     }
-    if (m.two_roughnesses && !join_roughnesses(m))
+    if (m.two_roughnesses && !anisotropy_from_roughnesses(m))
         report("textures of two roughnesses: that along the tangent is left out");
     Json json = Json::object();
     if (!m.name.empty()) json["name"] = m.name;

@@ -25,7 +25,7 @@ public:
 
 private:
     /// The dominant material of a mixture, with the mixture's own parameters; other materials unchanged.
-    Material greater_part(int material);
+    Material dominant_material(int material);
     Json material_json(const Material& m);
     Json base_json(const Material& m);
     void add_transmission(const Material& m, Json& json);

@@ -45,7 +45,7 @@ bool is_identity(const Texture& t)
 bool GlbMaterials::is_picture(int texture) const
 {
     const Texture& t = scene_.textures[std::size_t(texture)];
-    if (looks_at_space(t)) return false;
+    if (reads_position(t)) return false;
     if (t.kind == TextureKind::uv_transform && t.color_a.texture >= 0) return is_picture(t.color_a.texture);
     return t.kind == TextureKind::image;
 }
@@ -99,7 +99,7 @@ Color GlbMaterials::mean_of(int texture) const
 const Texture* GlbMaterials::picture_of(int texture)
 {
     const Texture& t = scene_.textures[std::size_t(texture)];
-    if (looks_at_space(t)) return nullptr;
+    if (reads_position(t)) return nullptr;
     if (t.kind == TextureKind::image) return &t;
     if (t.kind != TextureKind::uv_transform || t.color_a.texture < 0) return nullptr;
     return picture_of(t.color_a.texture);

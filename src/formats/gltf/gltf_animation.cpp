@@ -108,7 +108,7 @@ void multiply(std::vector<float>& values, std::vector<float> rest, bool rest_is_
 
 }  // namespace
 
-AnimationChannel GltfReader::follow_path(const JsonValue& target, const std::string& path) const
+AnimationChannel GltfReader::channel_of_path(const JsonValue& target, const std::string& path) const
 {
     AnimationChannel channel;
     if (path == "translation")
@@ -128,7 +128,7 @@ AnimationChannel GltfReader::follow_path(const JsonValue& target, const std::str
     return channel;
 }
 
-std::optional<AnimationChannel> GltfReader::follow_pointer(const JsonValue& pointer)
+std::optional<AnimationChannel> GltfReader::channel_of_pointer(const JsonValue& pointer)
 {
     for (const Pointer& p : pointers) {
         const std::optional<int> number = match(p.pattern, pointer.string());
@@ -150,7 +150,7 @@ std::optional<AnimationChannel> GltfReader::follow_pointer(const JsonValue& poin
 
 /// Emission and light intensity are products of a factor and a color in glTF; multiplies the animated one with the
 /// other's value at rest.
-void GltfReader::multiply_by_rest(const std::string& pointer, AnimationChannel& channel) const
+void GltfReader::scale_by_rest_value(const std::string& pointer, AnimationChannel& channel) const
 {
     for (const Pointer& p : pointers) {
         if (!p.factor || !match(p.pattern, pointer)) continue;
@@ -179,7 +179,7 @@ std::optional<AnimationChannel> GltfReader::read_channel(const JsonValue& v, con
     const auto pointer = extension && path == "pointer" ? extension->get("pointer") : std::nullopt;
     // Channels without a node may belong to an extension that this reader doesn't know.
     if (!pointer && !target.has("node")) return {};
-    std::optional<AnimationChannel> channel = pointer ? follow_pointer(*pointer) : follow_path(target, path);
+    std::optional<AnimationChannel> channel = pointer ? channel_of_pointer(*pointer) : channel_of_path(target, path);
     if (!channel) return {};
 
     if (index.count() >= samplers.size())
@@ -196,7 +196,7 @@ std::optional<AnimationChannel> GltfReader::read_channel(const JsonValue& v, con
     input.read(0, input.count(), 1, 0, channel->times.data());
     channel->values.resize(output.count() * std::size_t(output.components()));
     output.read(0, output.count(), output.components(), 0, channel->values.data());
-    if (pointer) multiply_by_rest(pointer->string(), *channel);
+    if (pointer) scale_by_rest_value(pointer->string(), *channel);
     if (const std::string problem = problem_of(*channel); !problem.empty())
         (problem.starts_with("times") ? input : output).fail(problem);
     return channel;
@@ -306,7 +306,7 @@ void GltfReader::hide_nodes()
     std::vector<bool> visible;
     visible.reserve(rig_.nodes.size());
     for (const NodeRest& node : rig_.nodes) visible.push_back(node.visible);
-    for (const auto& [node, contents] : contents_at(rig_, visible))
+    for (const auto& [node, contents] : visible_contents(rig_, visible))
         set_contents(scene_.nodes[std::size_t(node)], contents);
 }
 

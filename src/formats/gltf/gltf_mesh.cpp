@@ -206,7 +206,7 @@ void GltfReader::add_morphs(const JsonValue& primitive, const std::optional<Json
         const float weight = i < count ? part.target_weights[i] : 0;
         if (weight == 0 && !plays) continue;
         std::vector<MorphTarget> target{read_morph_target((*targets)[i], first, mesh)};
-        morph(mesh, target, std::span(&weight, 1));
+        apply_morph_targets(mesh, target, std::span(&weight, 1));
         if (plays) part.targets.push_back(std::move(target[0]));
     }
 }

@@ -78,7 +78,7 @@ private:
 
     // gltf_scene.cpp
     /// Reads a node's name, transform, children and visibility.
-    void read_place(const JsonValue& v, std::size_t index);
+    void read_node_transform(const JsonValue& v, std::size_t index);
     /// Reads a node's camera, light, mesh, skin and instances.
     void read_contents(const JsonValue& v, std::size_t index);
     /// Sets the root nodes and the environment of the selected scene; without scenes, nodes without parents are roots.
@@ -103,9 +103,9 @@ private:
     Animation read_animation(const JsonValue& v);
     /// Reads a channel; nothing if its target is not supported, which is reported.
     std::optional<AnimationChannel> read_channel(const JsonValue& channel, const JsonValue& samplers);
-    AnimationChannel follow_path(const JsonValue& target, const std::string& path) const;
-    std::optional<AnimationChannel> follow_pointer(const JsonValue& pointer);
-    void multiply_by_rest(const std::string& pointer, AnimationChannel& channel) const;
+    AnimationChannel channel_of_path(const JsonValue& target, const std::string& path) const;
+    std::optional<AnimationChannel> channel_of_pointer(const JsonValue& pointer);
+    void scale_by_rest_value(const std::string& pointer, AnimationChannel& channel) const;
     void find_targets();
     /// Registers a mesh that morph targets or a skin deform.
     void add_deformed(const Part& part, int mesh, std::size_t node, int skin);

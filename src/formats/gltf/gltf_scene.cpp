@@ -203,7 +203,7 @@ void GltfReader::add_instances(const JsonValue& instancing, std::size_t index)
     }
 }
 
-void GltfReader::read_place(const JsonValue& v, std::size_t index)
+void GltfReader::read_node_transform(const JsonValue& v, std::size_t index)
 {
     v.object();
     Node& node = scene_.nodes[index];
@@ -338,7 +338,7 @@ SceneDescription GltfReader::read()
     invisible_.assign(nodes.size(), false);
     rig_.nodes.resize(nodes.size());
     read_animations();
-    for (std::size_t i = 0; i < nodes.size(); ++i) read_place(nodes[i], i);
+    for (std::size_t i = 0; i < nodes.size(); ++i) read_node_transform(nodes[i], i);
     read_roots();
     const std::vector<bool> reachable = reachable_nodes(scene_);
     for (std::size_t i = 0; i < nodes.size(); ++i)

@@ -68,7 +68,7 @@ void GltfReader::add_skinned(const JsonValue& skin_index, std::size_t node_index
                 v.fail(
                     fmt::format("a vertex refers to joint {}, there are {}", part.joints[k], world_from_mesh.size()));
         Mesh mesh = at_rest;
-        bend(mesh, part.joints, part.weights, world_from_mesh);
+        apply_skin(mesh, part.joints, part.weights, world_from_mesh);
         clean_mesh(mesh, file_.name(), file_.mesh_faults());
         shape.geometry = MeshInstance{int(scene_.meshes.size())};
         add_deformed(part, int(scene_.meshes.size()), node_index, int(rig_.skins.size()));

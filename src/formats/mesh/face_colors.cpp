@@ -20,7 +20,7 @@ void reindex(std::vector<T>& values, const std::vector<std::uint32_t>& from)
 
 }  // namespace
 
-void color_faces(Mesh& mesh, const std::vector<Vec4f>& colors)
+void set_face_colors(Mesh& mesh, const std::vector<Vec4f>& colors)
 {
     VertexIndex tints, colors_of_tints, vertices;
     std::vector<std::uint32_t> from;  // for each new vertex, the vertex that it duplicates

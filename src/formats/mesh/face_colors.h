@@ -8,6 +8,6 @@ namespace fathom {
 /// Gives each triangle a color; vertices shared by triangles of different colors are duplicated.
 ///
 /// colors  one for each triangle
-void color_faces(Mesh& mesh, const std::vector<Vec4f>& colors);
+void set_face_colors(Mesh& mesh, const std::vector<Vec4f>& colors);
 
 }  // namespace fathom

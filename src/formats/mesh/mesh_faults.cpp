@@ -18,12 +18,12 @@ constexpr Text texts[] = {
 
 std::string several(std::size_t count, const char* one, const char* many)
 {
-    return fmt::format("{} {}", with_commas(count), count == 1 ? one : many);
+    return fmt::format("{} {}", thousands_separated(count), count == 1 ? one : many);
 }
 
 }  // namespace
 
-std::string with_commas(std::size_t number)
+std::string thousands_separated(std::size_t number)
 {
     std::string text = fmt::format("{}", number);
     for (std::size_t at = text.size(); at > 3;) text.insert(at -= 3, ",");
@@ -45,11 +45,12 @@ void MeshFaults::report(const std::string& scene, Warnings& warnings) const
         const Count& count = counts_[kind];
         if (count.meshes == 0) continue;
         const bool is_one_file = count.files.size() == 1;
-        warnings.add(fmt::format("{}: {}{} {} {}, {} in all; {}", is_one_file ? *count.files.begin() : scene,
-                                 several(count.meshes, "mesh", "meshes"),
-                                 is_one_file ? "" : fmt::format(" of {} files", with_commas(count.files.size())),
-                                 count.meshes == 1 ? "contains" : "contain", texts[kind].fault,
-                                 with_commas(count.times), texts[kind].outcome));
+        warnings.add(
+            fmt::format("{}: {}{} {} {}, {} in all; {}", is_one_file ? *count.files.begin() : scene,
+                        several(count.meshes, "mesh", "meshes"),
+                        is_one_file ? "" : fmt::format(" of {} files", thousands_separated(count.files.size())),
+                        count.meshes == 1 ? "contains" : "contain", texts[kind].fault, thousands_separated(count.times),
+                        texts[kind].outcome));
     }
 }
 

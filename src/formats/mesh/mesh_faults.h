@@ -28,6 +28,6 @@ private:
 };
 
 /// Formats a number with thousands separators: 1,204.
-std::string with_commas(std::size_t number);
+std::string thousands_separated(std::size_t number);
 
 }  // namespace fathom

@@ -4,7 +4,7 @@
 
 namespace fathom {
 
-void turn_to_normals(Mesh& mesh)
+void orient_to_normals(Mesh& mesh)
 {
     if (mesh.normals.size() != mesh.positions.size()) return;
     for (std::size_t i = 0; i + 2 < mesh.indices.size(); i += 3) {

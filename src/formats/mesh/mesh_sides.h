@@ -4,6 +4,6 @@
 namespace fathom {
 
 /// Flips triangles whose geometric normal points away from their vertex normals.
-void turn_to_normals(Mesh& mesh);
+void orient_to_normals(Mesh& mesh);
 
 }  // namespace fathom

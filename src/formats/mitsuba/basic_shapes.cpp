@@ -70,7 +70,7 @@ bool mirrors(Object& shape)
     return shape.transform("to_world").determinant() < 0;
 }
 
-bool Reader::wants_uv(Object& shape)
+bool Reader::needs_uv(Object& shape)
 {
     return reaches_uv(scene_, scene_.materials[std::size_t(material_of_shape(shape))]);
 }
@@ -84,7 +84,7 @@ Shape Reader::add_textured(Mesh mesh, Object& shape)
 Shape Reader::rectangle(Object& shape)
 {
     const bool flipped = shape.boolean("flip_normals", false);
-    if (!wants_uv(shape))
+    if (!needs_uv(shape))
         return flipped ? Shape{Rectangle{{1, -1, 0}, {-2, 0, 0}, {0, 2, 0}}, -1, {}}
                        : Shape{Rectangle{{-1, -1, 0}, {2, 0, 0}, {0, 2, 0}}, -1, {}};
     // The first image row is at y = -1, unlike on Fathom's rectangles.
@@ -102,7 +102,7 @@ Shape Reader::sphere(Object& shape, Node& node)
     const bool flipped = shape.boolean("flip_normals", false) != mirrors(shape);
     const double radius = shape.number("radius", 1);
     const Vec3d center = shape.vector("center").value_or(Vec3d{});
-    if (!wants_uv(shape)) return Shape{Sphere{center, flipped ? -radius : radius, {}}, -1, {}};
+    if (!needs_uv(shape)) return Shape{Sphere{center, flipped ? -radius : radius, {}}, -1, {}};
     // u is the azimuth about z; v runs from +z downward.
     constexpr int rows = sides_of_circle / 2;
     std::vector<ProfilePoint> profile;
@@ -119,7 +119,7 @@ Shape Reader::sphere(Object& shape, Node& node)
 Shape Reader::disk(Object& shape)
 {
     const bool flipped = shape.boolean("flip_normals", false);
-    if (!wants_uv(shape)) return Shape{Disk{{0, 0, 0}, {0, 0, flipped ? -1.0 : 1.0}, 1}, -1, {}};
+    if (!needs_uv(shape)) return Shape{Disk{{0, 0, 0}, {0, 0, flipped ? -1.0 : 1.0}, 1}, -1, {}};
     // u is the radius, v the azimuth.
     Mesh mesh = turned({{1, 0, 0, 1, 1}, {0, 0, 0, 1, 0}}, circle, sides_of_circle);
     for (Vec2f& uv : mesh.uvs[0]) std::swap(uv.x, uv.y);
@@ -130,7 +130,7 @@ Shape Reader::disk(Object& shape)
 Shape Reader::cube(Object& shape)
 {
     const bool flipped = shape.boolean("flip_normals", false);
-    if (!flipped && !wants_uv(shape)) return Shape{Box{{-1, -1, -1}, {1, 1, 1}}, -1, {}};
+    if (!flipped && !needs_uv(shape)) return Shape{Box{{-1, -1, -1}, {1, 1, 1}}, -1, {}};
     // Each face shows the whole image; corners are listed from (u, v) = (0, 1), against the direction of v.
     constexpr Vec3f corners[6][4] = {
         {{1, -1, -1}, {1, -1, 1}, {-1, -1, 1}, {-1, -1, -1}}, {{1, 1, -1}, {-1, 1, -1}, {-1, 1, 1}, {1, 1, 1}},

@@ -33,19 +33,20 @@ Material Reader::normal_mapped(Material m, int map)
     return m;
 }
 
-bool Reader::is_bent(const Material& m) const
+bool Reader::has_normal_perturbation(const Material& m) const
 {
     if (m.kind != MaterialKind::mix && m.kind != MaterialKind::two_sided)
         return m.normal_texture >= 0 || m.bump.texture >= 0;
-    return is_bent(scene_.materials[std::size_t(m.material_a)]) || is_bent(scene_.materials[std::size_t(m.material_b)]);
+    return has_normal_perturbation(scene_.materials[std::size_t(m.material_a)]) ||
+           has_normal_perturbation(scene_.materials[std::size_t(m.material_b)]);
 }
 
 /// Adapts a bump or normal map to the back of a 'twosided' surface. Mitsuba mirrors directions at the surface, and with
 /// them the perturbed normals; Fathom flips normals, so the tangential part of the map changes sign.
-Material Reader::bent_from_behind(Material m)
+Material Reader::bumps_for_back_side(Material m)
 {
     if (m.kind == MaterialKind::mix || m.kind == MaterialKind::two_sided)
-        return bend_parts(std::move(m), [&](const Material& part) { return bent_from_behind(part); });
+        return bend_parts(std::move(m), [&](const Material& part) { return bumps_for_back_side(part); });
     m.normal_scale = -m.normal_scale;
     m.bump.value = -m.bump.value;
     return m;

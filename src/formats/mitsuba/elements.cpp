@@ -68,7 +68,7 @@ private:
     struct Source {
         const std::string* file;
         std::vector<std::size_t> lines;  ///< offset of each line's beginning
-        bool old_names = false;
+        bool has_legacy_names = false;
         std::string name;  ///< name that <include> gives to the object in the file
         /// Search path for includes: the file's own folder, then those of the files that include it.
         std::vector<std::filesystem::path> folders;
@@ -102,7 +102,7 @@ private:
             throw Error(
                 *source.file, fmt::format("line {}", source.place(root.offset_debug()).line),
                 fmt::format("a Mitsuba scene begins with <scene version=\"...\">, found <{}>", printable(root.name())));
-        source.old_names = root.attribute("version").as_int() < 2;
+        source.has_legacy_names = root.attribute("version").as_int() < 2;
         if (!is_scene) {
             source.name = name;
             return read_node(parent, root, source, 1, depth);
@@ -135,7 +135,7 @@ private:
         if (element->tag == "path") return add_folder(*element, source);
         if (element->tag == "include") return include(parent, *element, source, includes);
         for (const pugi::xml_node child : node.children()) read_node(*element, child, source, depth + 1, includes);
-        if (source.old_names) upgrade(*element);
+        if (source.has_legacy_names) upgrade(*element);
         if (element->tag == "alias") aliases_.emplace_back(element->attribute("as"), element.get());
         parent.children.push_back(std::move(element));
     }

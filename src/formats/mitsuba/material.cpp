@@ -145,7 +145,7 @@ void Reader::read_roughness(Object& bsdf, Material& m)
     m.beckmann = bsdf.text("distribution", "beckmann") == "beckmann";
     // Fathom's roughness is sqrt(alpha).
     const auto alpha = [&](std::string_view name, float otherwise) {
-        return to_power(scene_, number_or_texture(bsdf, name, otherwise), 0.5);
+        return raise_to_power(scene_, number_or_texture(bsdf, name, otherwise), 0.5);
     };
     m.energy_compensation = false;
     m.separable = true;
@@ -366,7 +366,7 @@ Material Reader::mask(Object& bsdf)
 {
     Material m = read_nested(bsdf);
     const FloatInput opacity = number_or_texture(bsdf, "opacity", 0.5f);
-    if (is_nothing(m)) return m;
+    if (is_null_interface(m)) return m;
     m.alpha = m.alpha_mode == AlphaMode::opaque ? opacity : product(scene_, m.alpha, opacity);
     m.alpha_mode = AlphaMode::blend;
     return m;
@@ -390,7 +390,7 @@ void Reader::read_interior(const Element& element, Material& m)
     medium.ignore({"sample_emitters", "has_spectral_extinction"});
     medium.finish(context_.warnings);
     if (!(scale > 0)) return;
-    if (is_nothing(m)) m = open_boundary();
+    if (is_null_interface(m)) m = index_matched_boundary();
     if (m.kind != MaterialKind::glass) return report(element, "is not rendered in what is not glass");
     m.transmission_scatter_bounces = true;
     const auto absorbed = [&](float t, float a) { return float(double(t) * scale * (1 - a)); };
@@ -404,12 +404,14 @@ void Reader::read_interior(const Element& element, Material& m)
 /// Fills the space outside all shapes with the camera's medium, if it has one.
 void Reader::finish_media()
 {
-    for (const Element* medium : media_of_shapes_.nowhere(camera_medium_)) report(*medium, medium_is_nowhere);
+    for (const Element* medium : media_of_shapes_.not_enclosed(camera_medium_))
+        report(*medium, medium_not_enclosed_message);
     if (!camera_medium_) return;
-    Material m = open_boundary();
+    Material m = index_matched_boundary();
     read_interior(*camera_medium_, m);
     if (!(m.attenuation_distance > 0)) return;
-    if (const std::string told = surround(scene_, std::move(m)); !told.empty()) report(*camera_medium_, told);
+    if (const std::string told = add_surrounding_medium(scene_, std::move(m)); !told.empty())
+        report(*camera_medium_, told);
 }
 
 int Reader::material_of_shape(Object& shape)
@@ -437,7 +439,7 @@ int Reader::material_of_shape(Object& shape)
         area.finish(context_.warnings);
     }
     found->second = add_material(std::move(m));
-    if (emitter) lamps_.push_back(found->second);
+    if (emitter) emissive_materials_.push_back(found->second);
     return found->second;
 }
 

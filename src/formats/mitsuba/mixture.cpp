@@ -36,7 +36,7 @@ Material Reader::two_sided(Object& bsdf)
     const bool outer = std::exchange(two_sided_, true);
     Material m = read_nested(bsdf);
     const std::vector<const Element*> nested = bsdf.children("bsdf");
-    if (nested.size() > 1 || is_bent(m)) {
+    if (nested.size() > 1 || has_normal_perturbation(m)) {
         Material both;
         both.kind = MaterialKind::two_sided;
         if (nested.size() == 1) {
@@ -45,7 +45,8 @@ Material Reader::two_sided(Object& bsdf)
         }
         both.material_a = nested.size() > 1 ? material(*nested[0]) : add_material(m);
         if (nested.size() > 1) m = scene_.materials[std::size_t(material(*nested[1]))];
-        both.material_b = is_bent(m) || nested.size() == 1 ? add_material(bent_from_behind(m)) : material(*nested[1]);
+        both.material_b = has_normal_perturbation(m) || nested.size() == 1 ? add_material(bumps_for_back_side(m))
+                                                                           : material(*nested[1]);
         m = both;
     }
     two_sided_ = outer;
@@ -64,8 +65,8 @@ Material Reader::blend(Object& bsdf)
     const Material& a = scene_.materials[std::size_t(mixture.material_a)];
     const Material& b = scene_.materials[std::size_t(mixture.material_b)];
     if (weight.texture < 0 && (weight.value <= 0 || weight.value >= 1)) return weight.value >= 1 ? b : a;
-    if (is_nothing(b)) return blend_with_transparent(scene_, a, weight, true);
-    if (is_nothing(a)) return blend_with_transparent(scene_, b, weight, false);
+    if (is_null_interface(b)) return blend_with_transparent(scene_, a, weight, true);
+    if (is_null_interface(a)) return blend_with_transparent(scene_, b, weight, false);
     if (are_plain(a, b)) {
         Material out = a;
         Texture mix;
@@ -76,7 +77,7 @@ Material Reader::blend(Object& bsdf)
         return out;
     }
     const bool is_opaque = a.alpha_mode == AlphaMode::opaque && b.alpha_mode == AlphaMode::opaque;
-    return is_opaque ? mixture : blend_by_alpha(std::move(mixture));
+    return is_opaque ? mixture : combine_opacity(std::move(mixture));
 }
 
 }  // namespace fathom::mitsuba

@@ -10,7 +10,7 @@ namespace fathom::mitsuba {
 namespace {
 
 /// A thin sheet that transmits light unchanged but can emit.
-Material clear_sheet()
+Material transparent_sheet()
 {
     Material m;
     m.kind = MaterialKind::glass;
@@ -30,12 +30,12 @@ bool is_opaque(const Material& m)
 }  // namespace
 
 /// Mixes the material with a clear sheet by its alpha, so that alpha doesn't scale its emission.
-Material Reader::mixed_with_transparent(Material m)
+Material Reader::mix_with_clear_sheet(Material m)
 {
     Material mixture;
     mixture.kind = MaterialKind::mix;
     mixture.factor = m.alpha;
-    mixture.material_a = add_material(clear_sheet());
+    mixture.material_a = add_material(transparent_sheet());
     m.alpha = {1, -1, 3}, m.alpha_mode = AlphaMode::opaque;
     mixture.material_b = add_material(std::move(m));
     return mixture;
@@ -45,20 +45,20 @@ Material Reader::with_emission(Material m, ColorInput emission)
 {
     // For a small alpha, few rays would hit an emitter whose radiance is scaled up by 1 / alpha.
     constexpr float min_alpha = 0.1f;
-    if (is_nothing(m)) {
-        m = clear_sheet();
+    if (is_null_interface(m)) {
+        m = transparent_sheet();
     } else if (!is_opaque(m) && m.alpha.texture < 0 && m.alpha.value >= min_alpha) {
         const float by = 1 / std::min(m.alpha.value, 1.f);
         emission.value = {emission.value.r * by, emission.value.g * by, emission.value.b * by};
     } else if (!is_opaque(m)) {
-        m = mixed_with_transparent(std::move(m));
+        m = mix_with_clear_sheet(std::move(m));
     }
     m.emission = emission;
     return m;
 }
 
 /// Combines the opacities of a mixture's two materials, of which at least one is transparent.
-Material Reader::blend_by_alpha(Material mixture)
+Material Reader::combine_opacity(Material mixture)
 {
     Material &a = scene_.materials[std::size_t(mixture.material_a)],
              &b = scene_.materials[std::size_t(mixture.material_b)];
@@ -80,7 +80,7 @@ Material Reader::blend_by_alpha(Material mixture)
     mixture.alpha_mode = AlphaMode::opaque;
     for (int* part : {&mixture.material_a, &mixture.material_b})
         if (const Material m = scene_.materials[std::size_t(*part)]; !is_opaque(m))
-            *part = add_material(mixed_with_transparent(m));
+            *part = add_material(mix_with_clear_sheet(m));
     return mixture;
 }
 

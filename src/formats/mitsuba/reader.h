@@ -91,8 +91,8 @@ private:
     Material bumped(Material m, const FloatInput& height);
     Material normal_mapped(Material m, int map);
     /// Whether the material, or one that it combines, has a normal or bump map.
-    bool is_bent(const Material& m) const;
-    Material bent_from_behind(Material m);
+    bool has_normal_perturbation(const Material& m) const;
+    Material bumps_for_back_side(Material m);
     /// Applies a bump or normal map to copies of both materials of a mixture.
     template <class Bend>
     Material bend_parts(Material mixture, const Bend& bend);
@@ -115,8 +115,8 @@ private:
     double relative_ior(Object& bsdf, double inside, double outside);
     double ior(Object& bsdf, std::string_view name, double otherwise);
     // opacity.cpp
-    Material blend_by_alpha(Material mixture);
-    Material mixed_with_transparent(Material m);
+    Material combine_opacity(Material mixture);
+    Material mix_with_clear_sheet(Material m);
     /// Adds emission to a material so that its alpha doesn't scale the emission.
     Material with_emission(Material m, ColorInput emission);
     /// Index of the shape's material, with its interior medium and emission.
@@ -135,7 +135,7 @@ private:
     std::string attribute_of(Object& shape);
     std::optional<Shape> serialized(Object& shape);
     std::optional<Shape> sdf_grid(Object& shape);
-    bool wants_uv(Object& shape);
+    bool needs_uv(Object& shape);
     /// The mesh as a shape, with Mitsuba's tangents if its material has a normal map.
     Shape add_textured(Mesh mesh, Object& shape);
     Shape rectangle(Object& shape);
@@ -156,12 +156,12 @@ private:
 
     const Document& document_;
     LoadContext& context_;
-    struct Told {
+    struct ReportCount {
         std::size_t times = 0;
         std::string first_id;
         std::set<std::string> ids;
     };
-    std::map<std::pair<std::string, std::string>, Told> told_;  ///< by element type and message
+    std::map<std::pair<std::string, std::string>, ReportCount> report_counts_;  ///< by element type and message
     SceneDescription scene_;
     int film_width_ = 768, film_height_ = 576;
     std::array<double, 2> crop_middle_{384, 288};  ///< center of the cropped part of the film, in pixels
@@ -174,9 +174,9 @@ private:
     /// Materials of shapes by BSDF, emitter and medium.
     std::map<std::array<const Element*, 3>, int> shape_materials_;
     const Element* camera_medium_ = nullptr;
-    bool hides_emitters_ = false;  ///< known after all top-level elements are read
-    std::vector<int> lamps_;       ///< materials of emissive shapes
-    MediaOfShapes<Element> media_of_shapes_;
+    bool hides_emitters_ = false;          ///< known after all top-level elements are read
+    std::vector<int> emissive_materials_;  ///< materials of emissive shapes
+    ShapeMedia<Element> media_of_shapes_;
     std::map<Key, int> meshes_;
     std::map<std::string, SerializedFile> serialized_;
     std::map<std::string, Appended> models_;  ///< by file and options

@@ -9,7 +9,7 @@ namespace fathom::mitsuba {
 namespace {
 
 /// Fresnel reflectance for light inside that reaches the boundary; `ior` is the inner index over the outer one.
-double fresnel_within(double cosine, double ior)
+double internal_fresnel(double cosine, double ior)
 {
     const double sine2 = (1 - cosine * cosine) * ior * ior;
     if (sine2 >= 1) return 1;
@@ -19,7 +19,7 @@ double fresnel_within(double cosine, double ior)
 }
 
 /// Smith's masking term G1 for Beckmann or GGX (Walter et al. 2007).
-double seen(double cosine, double alpha, bool beckmann)
+double smith_masking(double cosine, double alpha, bool beckmann)
 {
     const double tangent = std::sqrt(std::max(0.0, 1 - cosine * cosine)) / cosine;
     if (!beckmann) return 2 / (1 + std::sqrt(1 + alpha * alpha * tangent * tangent));
@@ -28,7 +28,7 @@ double seen(double cosine, double alpha, bool beckmann)
 }
 
 /// Fraction of light from a direction inside that the facets reflect back inside, without interreflection.
-double reflected(double cosine, double alpha, bool beckmann, double ior)
+double facet_reflectance(double cosine, double alpha, bool beckmann, double ior)
 {
     constexpr int slopes = 48, turns = 48;
     const double sine = std::sqrt(1 - cosine * cosine);
@@ -43,11 +43,11 @@ double reflected(double cosine, double alpha, bool beckmann, double ior)
             const double x = across * std::cos(std::numbers::pi * (k + 0.5) / turns);
             const double towards = sine * x + cosine * z, up = 2 * towards * z - cosine;
             if (towards > 0 && up > 0)
-                sum += fresnel_within(std::min(1.0, towards), ior) * seen(up, alpha, beckmann) * towards / z * area /
-                       turns;
+                sum += internal_fresnel(std::min(1.0, towards), ior) * smith_masking(up, alpha, beckmann) * towards /
+                       z * area / turns;
         }
     }
-    return seen(cosine, alpha, beckmann) / cosine * sum;
+    return smith_masking(cosine, alpha, beckmann) / cosine * sum;
 }
 
 }  // namespace
@@ -58,7 +58,7 @@ double inner_reflectance(double alpha, bool beckmann, double ior)
     double sum = 0;
     for (int i = 0; i < cosines; ++i) {
         const double cosine = std::max(1e-6, double(i) / (cosines - 1));
-        sum += 2 * cosine * reflected(cosine, alpha, beckmann, ior) / cosines;
+        sum += 2 * cosine * facet_reflectance(cosine, alpha, beckmann, ior) / cosines;
     }
     return sum;
 }

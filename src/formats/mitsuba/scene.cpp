@@ -22,7 +22,7 @@ void Reader::report(const Element& element, const std::string& message)
     const std::string& id = element.attribute("id");
     const std::string what = fmt::format("{}: {} '{}'", element.place.file ? *element.place.file : "",
                                          printable(element.tag), printable(element.type()));
-    Told& told = told_[{what, message}];
+    ReportCount& told = report_counts_[{what, message}];
     ++told.times;
     if (id.empty()) return;
     if (told.ids.empty()) told.first_id = id;
@@ -31,7 +31,7 @@ void Reader::report(const Element& element, const std::string& message)
 
 void Reader::add_reported_warnings()
 {
-    for (const auto& [key, told] : told_) {
+    for (const auto& [key, told] : report_counts_) {
         const std::size_t others = told.ids.empty() ? 0 : told.ids.size() - 1;
         const std::string ids = told.ids.empty() ? ""
                                 : others == 0    ? fmt::format(" ('{}')", printable(told.first_id))
@@ -50,7 +50,7 @@ SceneDescription Reader::read()
         if (child->tag == "sensor") read_sensor(*child);
     for (const auto& child : document_.root->children) read_root(*child);
     if (hides_emitters_)
-        for (const int lamp : lamps_) scene_.materials[std::size_t(lamp)].hidden_from_camera = true;
+        for (const int lamp : emissive_materials_) scene_.materials[std::size_t(lamp)].hidden_from_camera = true;
     finish_media();
     add_reported_warnings();
     return std::move(scene_);

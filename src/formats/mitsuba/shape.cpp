@@ -152,7 +152,7 @@ Mesh Reader::finished(Mesh mesh, Object& shape, bool flip_v)
     if (is_faceted)
         mesh.normals.clear();
     else if (has_normals)
-        turn_to_normals(mesh);
+        orient_to_normals(mesh);
     else
         add_smooth_normals(mesh);
     // A mesh without normals faces the side from which its corners are counterclockwise in world space, whatever its
@@ -225,7 +225,7 @@ Mesh Reader::ply_mesh(Object& shape, const std::string& file, const std::string&
     context_.warnings.add(file + ": faces with fewer than three corners are left out", data.bad_faces);
     // Fathom's reader flips v; Mitsuba doesn't by default.
     Mesh mesh = finished(std::move(data.mesh), shape, !shape.boolean("flip_tex_coords", false));
-    if (colors.of_faces && !data.face_colors.empty()) color_faces(mesh, data.face_colors);
+    if (colors.of_faces && !data.face_colors.empty()) set_face_colors(mesh, data.face_colors);
     if (!attribute.empty() && mesh.colors.empty())
         report(shape.element(), fmt::format("the mesh has no '{}': it is white", printable(attribute)));
     mesh.name = std::filesystem::path(file).stem().string();

@@ -71,7 +71,7 @@ private:
                                                                  }) &
                                    tbb::make_filter<ObjPiece*, ObjPiece*>(tbb::filter_mode::parallel,
                                                                           [&](ObjPiece* piece) {
-                                                                              read_as_far_as_it_goes(*piece);
+                                                                              read_until_error(*piece);
                                                                               return piece;
                                                                           }) &
                                    tbb::make_filter<ObjPiece*, void>(tbb::filter_mode::serial_in_order,
@@ -79,7 +79,7 @@ private:
     }
 
     /// Parses a piece up to the first error, which join() reports after all earlier lines.
-    void read_as_far_as_it_goes(ObjPiece& piece) const
+    void read_until_error(ObjPiece& piece) const
     {
         try {
             read_obj_piece(piece, name_, 1);
@@ -268,7 +268,7 @@ private:
         warnings_.add(unknown_materials_.size() == 1
                           ? fmt::format("{}: there is no material named '{}': gray is used", name_, first)
                           : fmt::format("{}: {} materials are not defined, the first is '{}': gray is used", name_,
-                                        with_commas(unknown_materials_.size()), first));
+                                        thousands_separated(unknown_materials_.size()), first));
     }
 
     bool read_library_file(std::string_view name)

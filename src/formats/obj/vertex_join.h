@@ -58,7 +58,7 @@ public:
             first = {part.number, add(part, v)};
             return first.vertex;
         }
-        if (first.part != part.number) return find_other(part, v);
+        if (first.part != part.number) return find_by_hash(part, v);
         std::uint32_t at = first.vertex;
         for (int steps = 0; steps < max_steps; ++steps) {
             const ObjVertex there = part.vertex(at);
@@ -74,7 +74,7 @@ public:
             if (next == ObjVertex::none) break;
             at = next;
         }
-        return find_other(part, v);
+        return find_by_hash(part, v);
     }
 
 private:
@@ -95,7 +95,7 @@ private:
         part.has_uvs |= v.uv != ObjVertex::none;
         return std::uint32_t(n);
     }
-    static std::uint32_t find_other(ObjPart& part, ObjVertex v)
+    static std::uint32_t find_by_hash(ObjPart& part, ObjVertex v)
     {
         const std::uint32_t key = part.others_({v.position, v.uv, v.normal});
         if (key == part.other_vertices_.size()) part.other_vertices_.push_back(add(part, v));

@@ -74,7 +74,7 @@ Space space_of(const Place& place, const std::string& name)
 }  // namespace
 
 Reader::Reader(const std::filesystem::path& file, LoadContext& context)
-    : context_(context), folder_(file.parent_path()), teller_(context.warnings)
+    : context_(context), folder_(file.parent_path()), reporter_(context.warnings)
 {
     scene_.file = file.string();
     // A pbrt scene has its own light or is meant to be dark, so automatic lights are disabled.
@@ -102,7 +102,7 @@ SceneDescription Reader::finished()
         scene_.environment.world_from_environment = mirror.parent_from_node * scene_.environment.world_from_environment;
         for (Texture& texture : scene_.textures) {
             texture.direction = mirror.parent_from_node.vector(texture.direction);
-            if (looks_at_space(texture))
+            if (reads_position(texture))
                 texture.world_from_texture = mirror.parent_from_node * texture.world_from_texture;
         }
         scene_.roots = {add_node(std::move(mirror))};
@@ -112,7 +112,7 @@ SceneDescription Reader::finished()
 
 void Reader::report(const Parameters& of, const std::string& message)
 {
-    teller_.report(of.place(), fmt::format("{}: {}", of.title(), message));
+    reporter_.report(of.place(), fmt::format("{}: {}", of.title(), message));
 }
 
 int Reader::add_node(Node node)
@@ -329,7 +329,7 @@ void Reader::read_option(Scanner& scanner)
     const std::string name = string_of(scanner);
     if (scanner.peek().kind == Token::Kind::end) scanner.fail("an option needs a value");
     scanner.next();
-    teller_.report(place, fmt::format("Option '{}' is ignored", printable(name)));
+    reporter_.report(place, fmt::format("Option '{}' is ignored", printable(name)));
 }
 
 bool Reader::read_definition(Scanner& scanner, std::string_view word)

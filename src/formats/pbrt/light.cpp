@@ -100,7 +100,7 @@ void Reader::read_light(const Parameters& of)
         report(of, "is not known: it is left out");
         return;
     }
-    of.finish(teller_);
+    of.finish(reporter_);
 }
 
 /// The image's center is the direction +y, its right is +x and its bottom is +z.
@@ -172,7 +172,7 @@ void Reader::read_infinite(const Parameters& of)
             report(of, "a constant environment beside a picture is left out");
         }
     }
-    of.finish(teller_);
+    of.finish(reporter_);
 }
 
 }  // namespace fathom::pbrt

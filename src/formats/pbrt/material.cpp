@@ -59,7 +59,7 @@ Material Reader::read_material(const Parameters& m)
         result.kind = MaterialKind::none;
         result.alpha_mode = AlphaMode::blend;
         result.alpha.value = 0;
-        m.finish(teller_);
+        m.finish(reporter_);
         return result;
     }
     if (type == "diffuse")
@@ -101,7 +101,7 @@ Material Reader::read_material(const Parameters& m)
     }
     if (type != "mix") set_bumps(m, result);
     m.ignore({"type"});
-    m.finish(teller_);
+    m.finish(reporter_);
     return result;
 }
 
@@ -115,7 +115,7 @@ Material Reader::diffuse(const Parameters& m)
 /// Fathom's alpha is roughness^2. pbrt's alpha is the roughness, or its square root with remapping.
 FloatInput Reader::roughness(const Parameters& m, const std::string& name, float otherwise, bool remap)
 {
-    return to_power(scene_, number_or_texture(m, name, otherwise), remap ? 0.25 : 0.5);
+    return raise_to_power(scene_, number_or_texture(m, name, otherwise), remap ? 0.25 : 0.5);
 }
 
 void Reader::set_roughness(const Parameters& m, const std::string& prefix, Material& out)
@@ -327,7 +327,7 @@ Material Reader::mix(const Parameters& m)
     const FloatInput amount = number_or_texture(m, "amount", 0.5f);
     if (amount.texture < 0 && (amount.value <= 0 || amount.value >= 1)) return both[amount.value >= 1 ? 1 : 0];
     for (const bool second : {false, true})
-        if (is_nothing(both[second])) return blend_with_transparent(scene_, both[!second], amount, second);
+        if (is_null_interface(both[second])) return blend_with_transparent(scene_, both[!second], amount, second);
     const auto is_plain = [](const Material& part) {
         return part.kind == MaterialKind::diffuse && part.alpha_mode == AlphaMode::opaque && part.normal_texture < 0 &&
                part.bump.texture < 0;
@@ -364,8 +364,8 @@ void Reader::set_medium(const Parameters& medium, Material& out)
     if (known) medium.ignore({"sigma_a", "sigma_s"});
     const auto g = float(medium.number("g", 0));
     medium.ignore({"type", "Le", "Lescale"});
-    medium.finish(teller_);
-    if (out.kind == MaterialKind::none) out = open_boundary();
+    medium.finish(reporter_);
+    if (out.kind == MaterialKind::none) out = index_matched_boundary();
     if (out.kind != MaterialKind::glass && !(out.kind == MaterialKind::principled && out.transmission.value == 1)) {
         report(medium, "is not rendered in what is not glass");
         return;
@@ -379,12 +379,12 @@ void Reader::finish_media()
 {
     const Parameters* around = nullptr;
     if (!camera_medium_.empty()) around = medium(camera_->place(), camera_medium_);
-    for (const Parameters* medium : media_of_shapes_.nowhere(around)) report(*medium, medium_is_nowhere);
+    for (const Parameters* medium : media_of_shapes_.not_enclosed(around)) report(*medium, medium_not_enclosed_message);
     if (!around) return;
-    Material m = open_boundary();
+    Material m = index_matched_boundary();
     set_medium(*around, m);
     if (!(m.attenuation_distance > 0)) return;
-    if (const std::string told = surround(scene_, std::move(m)); !told.empty()) report(*around, told);
+    if (const std::string told = add_surrounding_medium(scene_, std::move(m)); !told.empty()) report(*around, told);
 }
 
 void Reader::set_emission(const Surface& surface, Material& out)
@@ -402,7 +402,7 @@ void Reader::set_emission(const Surface& surface, Material& out)
     out.emission = emission;
     out.emission_two_sided = light.boolean("twosided", false);
     light.ignore({"power"});
-    light.finish(teller_);
+    light.finish(reporter_);
     if (out.kind == MaterialKind::none && out.alpha_mode == AlphaMode::blend && out.alpha.value == 0) {
         out.alpha.value = 1;
         out.alpha_mode = AlphaMode::opaque;
@@ -414,7 +414,7 @@ int Reader::surface_material(const Surface& surface)
     if (const auto found = surfaces_.find(surface); found != surfaces_.end()) return found->second;
     Material m = material(surface.material);
     if (surface.medium) set_medium(*surface.medium, m);
-    if (surface.is_hole && m.kind == MaterialKind::none) m = open_boundary();
+    if (surface.is_vacuum_interior && m.kind == MaterialKind::none) m = index_matched_boundary();
     if (surface.light) set_emission(surface, m);
     scene_.materials.push_back(std::move(m));
     return surfaces_[surface] = int(scene_.materials.size()) - 1;

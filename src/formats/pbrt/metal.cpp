@@ -24,14 +24,14 @@ Color reflectance(const std::vector<SpectrumPoint>& eta, const std::vector<Spect
     return color_of_surface(points);
 }
 
-float edge_channel(float at_normal, float at_edge)
+float edge_tint(float at_normal, float at_edge)
 {
     const double schlick = at_normal + (1 - at_normal) * std::pow(6.0 / 7, 5);
     return float(std::clamp(at_edge / schlick, 0.0, 1.0));
 }
 
 /// pbrt's conductor for a given reflectance at normal incidence in air: eta is 1, and k follows from the reflectance.
-Conductor of_reflectance(const Color& color)
+Conductor conductor_of_reflectance(const Color& color)
 {
     const auto k = [](float r) {
         const double limited = std::min(double(r), 0.9999);
@@ -52,7 +52,7 @@ double inner_cosine(double cosine, double ior)
 ///
 /// base  the metal's reflectance at normal incidence
 /// left  factor by which Fathom's coat color attenuates
-float edge_in_coat(double base, double ior, double thickness, double left)
+float fit_edge_tint_below_coat(double base, double ior, double thickness, double left)
 {
     const double root = (ior - 1) / (ior + 1), f0 = root * root, f90 = std::min(50 * f0, 1.0);
     const double at_82 = std::lerp(base, 1.0, std::pow(6.0 / 7, 5)) / (std::pow(6.0 / 7, 6) / 7);
@@ -111,7 +111,7 @@ void Reader::set_metal_colors(const Parameters& m, const std::string& prefix, fl
         const auto n_points = points(*eta), k_points = points(*k);
         const Color base = reflectance(n_points, k_points, outside, 1),
                     edge = reflectance(n_points, k_points, outside, 1.0 / 7);
-        return set({base, {edge_channel(base.r, edge.r), edge_channel(base.g, edge.g), edge_channel(base.b, edge.b)}});
+        return set({base, {edge_tint(base.r, edge.r), edge_tint(base.g, edge.g), edge_tint(base.b, edge.b)}});
     }
     const std::string spectrum = eta ? name(eta) : "metal-Cu-eta";
     const Conductor* metal = find_metal(spectrum);
@@ -131,7 +131,7 @@ Material Reader::conductor(const Parameters& m, const std::string& prefix, float
         out.base_color = color(m, "reflectance", {0.5f, 0.5f, 0.5f});
         // Textures keep Schlick's approximation.
         if (out.base_color.texture < 0) {
-            set_metal(within(of_reflectance(out.base_color.value), outside), out);
+            set_metal(within(conductor_of_reflectance(out.base_color.value), outside), out);
         }
         m.ignore({prefix + "eta", prefix + "k"});
     } else {
@@ -154,7 +154,7 @@ Material Reader::coated_conductor(const Parameters& m)
     const auto left = float(std::exp(-2 * thickness / inner_cosine(std::sqrt(0.5), coat_ior)));
     out.coat_color = {{left, left, left}, -1};
     if (out.base_color.texture < 0) {
-        const auto edge = [&](float base) { return edge_in_coat(base, coat_ior, thickness, left); };
+        const auto edge = [&](float base) { return fit_edge_tint_below_coat(base, coat_ior, thickness, left); };
         const Color& base = out.base_color.value;
         out.edge_color.value = {edge(base.r), edge(base.g), edge(base.b)};
         // base_color and edge_color account for the coat, and an exact index of refraction would override them.

@@ -124,7 +124,7 @@ ParameterList read_parameters(Scanner& scanner)
     return list;
 }
 
-void Teller::report(const Place& place, const std::string& message)
+void WarningReporter::report(const Place& place, const std::string& message)
 {
     const auto [found, is_new] = first_.emplace(message, "");
     // Messages with the same cause are merged, since a scene may have millions of shapes.
@@ -253,7 +253,7 @@ void Parameters::ignore(std::initializer_list<std::string_view> names) const
     for (std::string_view name : names) find(name);
 }
 
-void Parameters::finish(Teller& reporter) const
+void Parameters::finish(WarningReporter& reporter) const
 {
     for (const auto& p : own_)
         if (!p->is_used)

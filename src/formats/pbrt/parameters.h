@@ -28,9 +28,9 @@ using ParameterList = std::vector<std::shared_ptr<const Parameter>>;
 ParameterList read_parameters(Scanner& scanner);
 
 /// Collects warnings about unsupported features: the first place of each message, and how often it occurred.
-class Teller {
+class WarningReporter {
 public:
-    explicit Teller(Warnings& warnings) : warnings_(warnings) {}
+    explicit WarningReporter(Warnings& warnings) : warnings_(warnings) {}
     void report(const Place& place, const std::string& message);
 
 private:
@@ -73,7 +73,7 @@ public:
     /// Marks parameters as read that have no effect in Fathom.
     void ignore(std::initializer_list<std::string_view> names) const;
     /// Warns of all parameters that were never read.
-    void finish(Teller& reporter) const;
+    void finish(WarningReporter& reporter) const;
     /// "Shape 'sphere'", for messages.
     std::string title() const;
     [[noreturn]] void fail(const std::string& message) const;

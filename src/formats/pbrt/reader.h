@@ -47,7 +47,7 @@ struct Surface {
     const Parameters* material = nullptr;
     const Parameters* light = nullptr;
     const Parameters* medium = nullptr;
-    bool is_hole = false;  ///< the shape is a cavity in the surrounding medium, and its interior is vacuum
+    bool is_vacuum_interior = false;  ///< the shape is a cavity in the surrounding medium, and its interior is vacuum
     std::string alpha;
     float power_factor = 1;  ///< scale of lights whose power is given, from the shape's area
     float displacement_edge = 0;
@@ -86,7 +86,7 @@ private:
     void finish_camera();
     void read_film(const Parameters& film);
     void read_crop(const Parameters& film, int width, int height);
-    std::array<double, 4> cropped(const std::array<double, 4>& window) const;
+    std::array<double, 4> crop_window(const std::array<double, 4>& window) const;
     void read_filter(const Parameters& filter);
     void read_sampler(const Parameters& sampler);
     void read_integrator(const Parameters& integrator);
@@ -157,7 +157,7 @@ private:
     std::optional<Shape> bilinear_mesh(const Parameters& shape);
     std::optional<Shape> loop_mesh(const Parameters& shape, const Surface& surface);
     /// Whether the surface refers to a texture that depends on the shape's texture coordinates.
-    bool wants_uv(const Surface& surface);
+    bool needs_uv(const Surface& surface);
     std::optional<Shape> curve(const Parameters& shape);
     std::optional<Shape> sphere(const Parameters& shape, bool has_textures);
     std::optional<Shape> disk(const Parameters& shape, bool has_textures);
@@ -182,7 +182,7 @@ private:
 
     LoadContext& context_;
     std::filesystem::path folder_;
-    Teller teller_;
+    WarningReporter reporter_;
     SceneDescription scene_;
     State state_;
     struct Block {
@@ -196,7 +196,7 @@ private:
     std::map<std::string, std::array<Transform, 2>> systems_;
     Plugin camera_, film_;
     std::string camera_medium_;
-    MediaOfShapes<Parameters> media_of_shapes_;
+    ShapeMedia<Parameters> media_of_shapes_;
     std::array<int, 2> film_size_ = {1280, 720};   ///< size of the whole film in pixels
     std::array<int, 4> crop_ = {0, 1280, 0, 720};  ///< part of the film that is rendered: x0, x1, y0, y1
     Transform world_from_camera_;

@@ -96,14 +96,14 @@ PlyData ply_data_of(InputFile file)
 Shape Reader::add_mesh(Mesh mesh, const std::string& file)
 {
     // In pbrt a triangle faces the side of its vertex normals, independent of the order of its corners.
-    turn_to_normals(mesh);
+    orient_to_normals(mesh);
     if (state_.reverse) flip(mesh);
     clean_mesh(mesh, file, context_.mesh_faults);
     scene_.meshes.push_back(std::move(mesh));
     return {MeshInstance{int(scene_.meshes.size()) - 1}, -1, {}};
 }
 
-bool Reader::wants_uv(const Surface& surface)
+bool Reader::needs_uv(const Surface& surface)
 {
     return reaches_uv(scene_, material(surface.material)) || !surface.alpha.empty() || !surface.displacement.empty() ||
            (surface.light && surface.light->has("filename"));
@@ -114,7 +114,7 @@ std::optional<Shape> Reader::triangle_mesh(const Parameters& shape, const Surfac
     Mesh mesh = vertices_of(shape);
     mesh.indices = indices_of(shape, mesh.positions.size(), 3);
     turn_v_over(mesh);
-    if (mesh.uvs[0].empty() && wants_uv(surface)) add_default_uvs(mesh, {});
+    if (mesh.uvs[0].empty() && needs_uv(surface)) add_default_uvs(mesh, {});
     // Fathom derives tangents from texture coordinates.
     shape.ignore({"S", "faceIndices"});
     return add_mesh(std::move(mesh), *shape.place().file);
@@ -130,7 +130,7 @@ std::optional<Shape> Reader::ply_mesh(const Parameters& shape, Surface& surface)
     }
     shape.ignore({"edgelength"});
     const std::filesystem::path path = locate(shape, filename);
-    const bool has_uv = wants_uv(surface);
+    const bool has_uv = needs_uv(surface);
     const std::string key = fmt::format("{}\n{}{}", path.string(), int(state_.reverse), int(has_uv));
     if (const auto known = models_.find(key); known != models_.end()) return Shape{MeshInstance{known->second}, -1, {}};
     try {
@@ -198,7 +198,7 @@ std::optional<Shape> Reader::loop_mesh(const Parameters& shape, const Surface& s
     shape.ignore({"scheme"});
     Mesh mesh = loop_subdivided(base.positions, indices, levels);
     add_smooth_normals(mesh);
-    if (wants_uv(surface)) add_default_uvs(mesh, {});
+    if (needs_uv(surface)) add_default_uvs(mesh, {});
     return add_mesh(std::move(mesh), *shape.place().file);
 }
 
@@ -288,7 +288,7 @@ std::optional<Shape> Reader::geometry(const Parameters& shape, Surface& surface)
     if (type == "bilinearmesh") return bilinear_mesh(shape);
     if (type == "loopsubdiv") return loop_mesh(shape, surface);
     if (type == "curve") return curve(shape);
-    const bool has_textures = wants_uv(surface);
+    const bool has_textures = needs_uv(surface);
     if (type == "sphere") return sphere(shape, has_textures);
     if (type == "disk") return disk(shape, has_textures);
     if (type == "cylinder") return cylinder(shape);
@@ -330,7 +330,7 @@ void Reader::set_media(const Place& place, Surface& surface)
     media_of_shapes_.add(inside, outside);
     if (inside == outside) return;
     surface.medium = inside;
-    surface.is_hole = !inside;
+    surface.is_vacuum_interior = !inside;
 }
 
 /// Adds a node with the current transform to the current object or to the scene's roots.
@@ -363,7 +363,7 @@ void Reader::read_shape(const Parameters& shape)
         surface.alpha = fmt::format("{} {}", alpha.value, alpha.texture);
     }
     std::optional<Shape> found = geometry(shape, surface);
-    shape.finish(teller_);
+    shape.finish(reporter_);
     if (!found) return;
     if (surface.light) {
         const double power = surface.light->number("power", -1);

@@ -111,7 +111,7 @@ ColorInput Reader::texture(const Parameters& of, std::string_view parameter, boo
     const ColorInput input = read_texture(named);
     named.is_open = false;
     named.input = input;
-    named.plugin->finish(teller_);
+    named.plugin->finish(reporter_);
     return input;
 }
 

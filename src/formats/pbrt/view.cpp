@@ -66,7 +66,7 @@ void Reader::read_film(const Parameters& film)
         if (kelvin != *scene_.hints.white_balance)
             report(film, fmt::format("'whitebalance' is taken as {} K", *scene_.hints.white_balance));
     }
-    film.finish(teller_);
+    film.finish(reporter_);
 }
 
 /// Reads the crop window in pixels; 'pixelbounds' takes precedence over 'cropwindow', as in pbrt.
@@ -110,7 +110,7 @@ void Reader::read_filter(const Parameters& filter)
         if (!(radius > 0 && radius <= 64)) filter.fail("a filter reaches up to 64 pixels");
         if (radius != (is_gaussian ? 2 : is_triangle ? 1 : 0.5)) scene_.hints.filter_radius = radius;
     }
-    filter.finish(teller_);
+    filter.finish(reporter_);
 }
 
 void Reader::read_sampler(const Parameters& sampler)
@@ -121,7 +121,7 @@ void Reader::read_sampler(const Parameters& sampler)
     scene_.hints.samples = std::clamp(samples, 1, 1 << 24);
     // The sample distribution is Fathom's own.
     sampler.ignore({"randomization", "seed", "jitter", "pixelsamples", "xsamples", "ysamples"});
-    sampler.finish(teller_);
+    sampler.finish(reporter_);
 }
 
 void Reader::read_integrator(const Parameters& integrator)
@@ -133,7 +133,7 @@ void Reader::read_integrator(const Parameters& integrator)
     if (type == "path" || type == "volpath") {
         integrator.ignore({"lightsampler"});
         if (integrator.boolean("regularize", false)) report(integrator, "'regularize' is left out");
-        integrator.finish(teller_);
+        integrator.finish(reporter_);
     }
 }
 
@@ -145,7 +145,7 @@ void Reader::finish_camera()
 }
 
 /// The part of the screen window that the crop shows.
-std::array<double, 4> Reader::cropped(const std::array<double, 4>& window) const
+std::array<double, 4> Reader::crop_window(const std::array<double, 4>& window) const
 {
     const auto x = [&](int at) { return std::lerp(window[0], window[1], double(at) / film_size_[0]); };
     const auto y = [&](int at) { return std::lerp(window[3], window[2], double(at) / film_size_[1]); };
@@ -163,7 +163,7 @@ void Reader::read_camera(const Parameters& of)
     const double said = of.number("frameaspectratio", 0);
     const double aspect = said > 0 ? said : double(film_size_[0]) / film_size_[1];
     if (said > 0) report(of, "'frameaspectratio' is taken for the view alone: the picture has the film's size");
-    const std::array<double, 4> window = cropped(screen(of, aspect));
+    const std::array<double, 4> window = crop_window(screen(of, aspect));
     const double width = window[1] - window[0], height = window[3] - window[2];
     const double half_height = height / 2, scale = std::cbrt(std::abs(determinant));
     Camera camera;
@@ -212,7 +212,7 @@ void Reader::read_camera(const Parameters& of)
     }
     camera.shutter_open = of.number("shutteropen", 0);
     camera.shutter_close = std::max(camera.shutter_open, of.number("shutterclose", 1));
-    of.finish(teller_);
+    of.finish(reporter_);
     scene_.cameras.push_back(camera);
     Node node;
     node.camera = int(scene_.cameras.size()) - 1;

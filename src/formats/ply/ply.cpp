@@ -59,7 +59,7 @@ public:
                 for (std::size_t i = 0; i < element.count; ++i)
                     for (const PlyProperty& property : element.properties) body_.skip(property);
         }
-        faces_.vertices_are_there();
+        faces_.flush_waiting_faces();
         check_curves();
         if (!data_.face_colors.empty()) data_.face_colors.resize(mesh_.indices.size() / 3, white);
         return std::move(data_);
@@ -143,7 +143,7 @@ private:
         if (mesh_.positions.empty()) body_.fail("the vertices have no x, y and z");
         read_rows(element, targets);
         spread_number(mesh_.colors, channels);
-        faces_.vertices_are_there();
+        faces_.flush_waiting_faces();
     }
 
     void read_rows(const PlyElement& element, const std::vector<Target>& targets)
@@ -388,7 +388,7 @@ SceneDescription read_ply(const std::filesystem::path& file, InputFile& input, L
     if (mesh.indices.empty()) throw Error(name, "", "there are no triangles in it: its faces have fewer corners");
     context.warnings.add(name + ": faces with fewer than three corners are left out", data.bad_faces);
     mesh.name = file.stem().string();
-    if (mesh.colors.empty() && !data.face_colors.empty()) color_faces(mesh, data.face_colors);
+    if (mesh.colors.empty() && !data.face_colors.empty()) set_face_colors(mesh, data.face_colors);
     clean_mesh(mesh, name, context.mesh_faults);
 
     SceneDescription scene;

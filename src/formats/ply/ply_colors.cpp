@@ -17,7 +17,7 @@ int rgba_channel(std::string_view word)
 }
 
 /// The letter after "prefix_", if it is one of `letters`; 0 otherwise.
-char letter_after(std::string_view name, std::string_view prefix, std::string_view letters)
+char channel_suffix(std::string_view name, std::string_view prefix, std::string_view letters)
 {
     const bool has_prefix = name.size() == prefix.size() + 2 && name.starts_with(prefix) && name[prefix.size()] == '_';
     return has_prefix && letters.find(name.back()) != std::string_view::npos ? name.back() : '\0';
@@ -47,9 +47,9 @@ std::vector<PlyChannel> channels_of(const PlyElement& element, std::string_view 
         if (attribute == "color" && name.starts_with(prefix))
             channel = {rgba_channel(name.substr(prefix.size())), true};
         if (channel.index >= 0) continue;
-        if (letter_after(p.name, attribute, "xyzw01234"))
+        if (channel_suffix(p.name, attribute, "xyzw01234"))
             channel = {next < 4 ? next++ : -1, false};
-        else if (const char letter = letter_after(p.name, of_letters, "rgba"); letter && !of_letters.empty())
+        else if (const char letter = channel_suffix(p.name, of_letters, "rgba"); letter && !of_letters.empty())
             channel = {rgba_channel({&letter, 1}), false};
     }
     return channels;

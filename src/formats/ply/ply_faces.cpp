@@ -23,7 +23,7 @@ void PlyFaces::check_index(std::int64_t index, std::size_t face) const
 
 void PlyFaces::add_polygon(const Corners& corners, std::size_t face, const Vec4f* color)
 {
-    if (is_waiting_) return wait(corners, {0, face, color ? *color : white, color != nullptr, false});
+    if (awaits_vertices_) return wait(corners, {0, face, color ? *color : white, color != nullptr, false});
     const std::vector<std::uint32_t>& indices = data_.mesh.indices;
     // Faces before the first colored one become white.
     if (color) data_.face_colors.resize(indices.size() / 3, white);
@@ -49,7 +49,7 @@ void PlyFaces::triangulate_polygon(const Corners& corners, std::size_t face)
 
 void PlyFaces::add_strip(const Corners& corners, std::size_t strip)
 {
-    if (is_waiting_) return wait(corners, {0, strip, white, false, true});
+    if (awaits_vertices_) return wait(corners, {0, strip, white, false, true});
     std::vector<std::uint32_t>& indices = data_.mesh.indices;
     std::size_t start = 0;
     for (std::size_t k = 0; k < corners.size(); ++k) {
@@ -73,9 +73,9 @@ void PlyFaces::wait(const Corners& corners, const Waiting& face)
     waiting_corners_.insert(waiting_corners_.end(), corners.begin(), corners.end());
 }
 
-void PlyFaces::vertices_are_there()
+void PlyFaces::flush_waiting_faces()
 {
-    is_waiting_ = false;
+    awaits_vertices_ = false;
     Corners corners;
     for (std::size_t i = 0; i < waiting_.size(); ++i) {
         const Waiting& face = waiting_[i];

@@ -24,8 +24,8 @@ public:
     /// Adds a triangle strip; -1 restarts the strip.
     void add_strip(const Corners& corners, std::size_t strip);
     /// Must be called after the vertices have been read, and at the end of the file.
-    void vertices_are_there();
-    bool is_waiting() const { return is_waiting_; }
+    void flush_waiting_faces();
+    bool is_waiting() const { return awaits_vertices_; }
 
     /// Throws Error unless a vertex with this index exists.
     void check_index(std::int64_t index, std::size_t face) const;
@@ -42,7 +42,7 @@ private:
 
     const std::string& file_;
     PlyData& data_;
-    bool is_waiting_ = true;
+    bool awaits_vertices_ = true;
     std::vector<Waiting> waiting_;
     Corners waiting_corners_;
     std::vector<Vec3f> points_;

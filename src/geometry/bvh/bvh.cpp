@@ -125,10 +125,10 @@ void start_at_root(RayMask rays, Stream<any_hit, moving>& stream)
 }
 
 template <bool any_hit, bool moving>
-void trace_alike(const BvhData& bvh, RayMask rest, StreamMemory& memory, Stream<any_hit, moving>& stream)
+void trace_coherent(const BvhData& bvh, RayMask rest, StreamMemory& memory, Stream<any_hit, moving>& stream)
 {
     while (rest) {
-        const RayMask rays = alike(memory.world, rest);
+        const RayMask rays = coherent_rays(memory.world, rest);
         rest &= ~rays;
         if (std::popcount(rays) >= min_packet)
             PacketTraversal<any_hit, moving>(bvh, memory, stream, rays, {bvh.root, no_index, bvh.radius}).run();
@@ -145,7 +145,7 @@ void trace(const BvhData& bvh, int n, bool coherent, StreamMemory& memory)
     Stream<any_hit, moving> stream(bvh, memory);
     const RayMask all = n == 64 ? ~RayMask(0) : (RayMask(1) << n) - 1;
     if constexpr (lanes > 1) {
-        if (coherent) return trace_alike(bvh, all, memory, stream);
+        if (coherent) return trace_coherent(bvh, all, memory, stream);
         if constexpr (any_hit && !moving) {
             ShortRayPacketTraversal neighbors(bvh, memory, stream, all);
             if (neighbors.fits()) {

@@ -76,7 +76,7 @@ public:
             c_.warnings.add(
                 fmt::format("{}: degenerate triangles, which have no area and are never seen", c_.scene.file),
                 degenerate_);
-        if (opaque_ > 0) c_.warnings.add(fmt::format(alpha_is_lost, c_.scene.file), opaque_);
+        if (opaque_ > 0) c_.warnings.add(fmt::format(alpha_unsupported, c_.scene.file), opaque_);
         fill_missing_attributes();
         contents_.shapes_end = t_.shapes.size();
         contents_.moving = t_.moving;
@@ -108,7 +108,7 @@ private:
     void place_primitives(const FlattenedShape& p)
     {
         if (!is_of<Kind>(*p.shape)) return;
-        if (!contents_.shapes.emplace(content_of(c_, *p.shape), std::uint32_t(t_.shapes.size())).second) return;
+        if (!contents_.shapes.emplace(shared_geometry(c_, *p.shape), std::uint32_t(t_.shapes.size())).second) return;
         FlattenedShape own = p;
         own.render_from_node = Transform();
         add_primitives(own, nullptr);
@@ -133,8 +133,8 @@ private:
     {
         for (const FlattenedShape& p : shapes) {
             const MaterialRecord& m = t_.materials[material_of(*p.shape)];
-            if (m.has_inside()) solids_.insert(content_of(c_, *p.shape));
-            if (m.closure == ClosureKind::hair) fibers_.insert(content_of(c_, *p.shape));
+            if (m.has_inside()) solids_.insert(shared_geometry(c_, *p.shape));
+            if (m.closure == ClosureKind::hair) fibers_.insert(shared_geometry(c_, *p.shape));
         }
     }
 
@@ -154,7 +154,7 @@ private:
     static bool shows_uv(const MaterialRecord& m)
     {
         return (m.flags & (MaterialRecord::textured | MaterialRecord::normal_mapped | MaterialRecord::bumped |
-                           MaterialRecord::wants_tangent | MaterialRecord::wants_uv)) != 0;
+                           MaterialRecord::needs_tangent | MaterialRecord::needs_uv)) != 0;
     }
 
     /// Whether a parallelogram would look exactly like its two triangles: only positions matter.
@@ -396,9 +396,9 @@ private:
         if (curves.basis == CurveBasis::linear) shape.flags |= ShapeRecord::linear_curves;
         if (curves.ribbons)
             shape.flags |= ShapeRecord::ribbons;
-        else if (solids_.contains(content_of(c_, *p.shape)))
+        else if (solids_.contains(shared_geometry(c_, *p.shape)))
             shape.flags |= ShapeRecord::solid_curves;
-        else if (fibers_.contains(content_of(c_, *p.shape)))
+        else if (fibers_.contains(shared_geometry(c_, *p.shape)))
             shape.flags |= ShapeRecord::fibers;
         const bool moves = instancing_.vertices_move(*p.shape);
         contents_.fixed_motion |= !curves.motion.empty();
@@ -427,7 +427,7 @@ private:
     const Instancing instancing_;
     InstancedGeometry contents_;
     std::size_t degenerate_ = 0, opaque_ = 0;
-    std::set<const void*> solids_, fibers_;                                         ///< keys are those of content_of
+    std::set<const void*> solids_, fibers_;  ///< keys are those of shared_geometry
     std::vector<std::pair<const FlattenedShape*, std::vector<Rectangle>>> joined_;  ///< shapes whose triangles became
                                                                                     ///< parallelograms
 };

@@ -31,7 +31,7 @@ public:
         const std::string& file = c_.scene.file;
         if (vanished_ > 0)
             c_.warnings.add(fmt::format("{}: shapes that are scaled to next to nothing are left out", file), vanished_);
-        if (opaque_ > 0) c_.warnings.add(fmt::format(alpha_is_lost, file), opaque_);
+        if (opaque_ > 0) c_.warnings.add(fmt::format(alpha_unsupported, file), opaque_);
     }
 
 private:
@@ -39,7 +39,7 @@ private:
     {
         for (const FlattenedShape& p : all_.shapes) {
             if (!p.instanced || p.movable != movable) continue;
-            if (vanishes(p.render_from_node))
+            if (is_degenerate(p.render_from_node))
                 ++vanished_;
             else
                 add_instance(p);
@@ -49,7 +49,7 @@ private:
     void add_instance(const FlattenedShape& p)
     {
         InstanceRecord instance;
-        instance.mesh_shape = contents_.shapes.at(content_of(c_, *p.shape));
+        instance.mesh_shape = contents_.shapes.at(shared_geometry(c_, *p.shape));
         instance.object_id = p.object_id;
         instance.shape = shape_of(*p.shape, instance.mesh_shape);
         const Transform inverse = p.render_from_node.inverse();

@@ -36,17 +36,17 @@ const void* set_of(const SceneDescription& scene, const Shape& shape)
 
 }  // namespace
 
-const void* described_content(const SceneDescription& scene, const Shape& shape)
+const void* described_geometry(const SceneDescription& scene, const Shape& shape)
 {
     if (const auto* mesh = std::get_if<MeshInstance>(&shape.geometry)) return &scene.meshes[std::size_t(mesh->mesh)];
     const void* set = set_of(scene, shape);
     return set ? set : &shape;
 }
 
-const void* content_of(const Compiler& c, const Shape& shape)
+const void* shared_geometry(const Compiler& c, const Shape& shape)
 {
     const DisplacedShapes::Entry* displaced = c.displaced.find(c.scene, shape);
-    return displaced ? &displaced->mesh : described_content(c.scene, shape);
+    return displaced ? &displaced->mesh : described_geometry(c.scene, shape);
 }
 
 Instancing::Instancing(const Compiler& c, const FlattenedScene& occurrences) : c_(c), occurrences_(occurrences)
@@ -89,7 +89,7 @@ bool Instancing::is_instanced(const FlattenedShape& p) const
     if (p.motion >= 0) return !moves_straight(p);
     constexpr std::size_t fewest_triangles = 4096;
     if (const Mesh* mesh = c_.mesh_of(*p.shape)) {
-        const std::size_t uses = uses_.at(content_of(c_, *p.shape));
+        const std::size_t uses = uses_.at(shared_geometry(c_, *p.shape));
         return uses > 1 && mesh->indices.size() / 3 * uses >= fewest_triangles;
     }
     const void* set = set_of(c_.scene, *p.shape);
@@ -119,7 +119,7 @@ bool Instancing::moves_straight(const FlattenedShape& p) const
 void Instancing::count_uses()
 {
     for (const FlattenedShape& p : occurrences_.shapes)
-        if (c_.mesh_of(*p.shape) || set_of(c_.scene, *p.shape)) ++uses_[content_of(c_, *p.shape)];
+        if (c_.mesh_of(*p.shape) || set_of(c_.scene, *p.shape)) ++uses_[shared_geometry(c_, *p.shape)];
 }
 
 }  // namespace fathom

@@ -14,9 +14,9 @@ bool is_similarity(const Transform& t, double& factor);
 std::uint32_t material_index(const SceneTables& tables, const Shape& shape);
 
 /// The content that several shapes of a description may share: a mesh, curves, points, or the shape itself.
-const void* described_content(const SceneDescription& scene, const Shape& shape);
-/// The content that several occurrences may share: described_content(), or the displaced mesh that replaces it.
-const void* content_of(const Compiler& c, const Shape& shape);
+const void* described_geometry(const SceneDescription& scene, const Shape& shape);
+/// The content that several occurrences may share: described_geometry(), or the displaced mesh that replaces it.
+const void* shared_geometry(const Compiler& c, const Shape& shape);
 
 /// Decides which occurrences become instances with a space of their own, and which become primitives of the world.
 class Instancing {
@@ -28,7 +28,7 @@ public:
     /// distorts curves or points.
     bool is_instanced(const FlattenedShape& p) const;
     /// Whether the vertices of a shape's mesh, or the control points of its curves, move during the shutter interval.
-    bool vertices_move(const Shape& shape) const { return moving_.contains(described_content(c_.scene, shape)); }
+    bool vertices_move(const Shape& shape) const { return moving_.contains(described_geometry(c_.scene, shape)); }
     /// Times at which moving vertices are stored: all keys of meshes and curves within the shutter interval, and its
     /// ends.
     const std::vector<float>& vertex_times() const { return vertex_times_; }
@@ -42,7 +42,8 @@ private:
     const FlattenedScene& occurrences_;
     std::set<const void*> moving_;  ///< meshes and curves that move
     std::vector<float> vertex_times_;
-    std::map<const void*, std::size_t> uses_;  ///< number of occurrences of meshes, curves and points, by content_of
+    std::map<const void*, std::size_t>
+        uses_;  ///< number of occurrences of meshes, curves and points, by shared_geometry
 };
 
 }  // namespace fathom

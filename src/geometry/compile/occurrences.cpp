@@ -10,9 +10,9 @@ namespace fathom {
 
 namespace {
 
-class Placer {
+class SceneFlattener {
 public:
-    explicit Placer(const Compiler& c)
+    explicit SceneFlattener(const Compiler& c)
         : c_(c), open_(c.tables.shutter_open), close_(c.tables.shutter_close), moves_(c.scene.nodes.size())
     {
         for (std::size_t i = 0; i < moves_.size(); ++i) moves_[i] = moves(c.scene.nodes[i], open_, close_);
@@ -20,7 +20,7 @@ public:
 
     FlattenedScene run()
     {
-        for (int root : c_.scene.roots) place_node(root, c_.space.from_world(), 0, false);
+        for (int root : c_.scene.roots) flatten_node(root, c_.space.from_world(), 0, false);
         if (still_things_ > 0)
             c_.warnings.add(c_.scene.file + ": directional lights and cameras of nodes that move: they stand still",
                             still_things_);
@@ -29,7 +29,7 @@ public:
 
 private:
     /// moving: number of moving nodes on the path to this one. movable: whether any of them is movable.
-    void place_node(int index, const Transform& render_from_parent, int moving, bool movable)
+    void flatten_node(int index, const Transform& render_from_parent, int moving, bool movable)
     {
         const Node& node = c_.scene.nodes[std::size_t(index)];
         path_.push_back(index);
@@ -48,7 +48,7 @@ private:
             occurrences_.lights.push_back(
                 {&c_.scene.lights[std::size_t(node.light)], render_from_node, carries_lamp ? motion : -1});
         if (moving > 0) still_things_ += std::size_t(node.light >= 0 && !carries_lamp) + std::size_t(node.camera >= 0);
-        for (int child : node.children) place_node(child, render_from_node, moving, movable);
+        for (int child : node.children) flatten_node(child, render_from_node, moving, movable);
         path_.pop_back();
     }
 
@@ -56,7 +56,7 @@ private:
     {
         const std::vector<NodeKey>& poses = occurrences_.motions[std::size_t(motion)];
         return std::any_of(poses.begin(), poses.end(),
-                           [](const NodeKey& pose) { return vanishes(pose.parent_from_node); });
+                           [](const NodeKey& pose) { return is_degenerate(pose.parent_from_node); });
     }
 
     bool has_movable_vertices(const Shape& shape) const
@@ -121,7 +121,7 @@ private:
 
 FlattenedScene flatten_scene(const Compiler& c)
 {
-    return Placer(c).run();
+    return SceneFlattener(c).run();
 }
 
 }  // namespace fathom

@@ -141,7 +141,7 @@ std::vector<double> corner_angles(const Mesh& mesh)
 }
 
 /// Rotates v by the smallest rotation that takes the unit vector a to the unit vector b.
-Vec3d turned(Vec3d v, Vec3d a, Vec3d b)
+Vec3d rotated(Vec3d v, Vec3d a, Vec3d b)
 {
     const double c = dot(a, b);
     const Vec3d axis = cross(a, b);
@@ -154,7 +154,7 @@ public:
     Displacer(const Mesh& mesh, const WeldedMesh& welded, const Subdivision& cut)
         : mesh_(mesh), welded_(welded), cut_(cut), angles_(corner_angles(mesh))
     {
-        find_smooth();
+        group_smooth_vertices();
     }
 
     Mesh run(const Displacement& by)
@@ -202,7 +202,7 @@ private:
     }
 
     /// Groups vertices at one position whose normals agree: their common normal derives from all faces around them.
-    void find_smooth()
+    void group_smooth_vertices()
     {
         constexpr double agree = 0.999;
         smooth_.resize(cut_.first_inner_vertex());
@@ -251,10 +251,10 @@ private:
         const auto turn = [&](std::size_t v, Vec3d before, Vec3d after) {
             if (!(length(before) > 0 && length(after) > 0)) return;
             before = normalize(before), after = normalize(after);
-            normals[v] = to_float(normalize(turned(to_double(normals[v]), before, after)));
+            normals[v] = to_float(normalize(rotated(to_double(normals[v]), before, after)));
             if (!tangents || tangents->empty()) return;
             Vec4f& t = (*tangents)[v];
-            const Vec3f d = to_float(turned({t.x, t.y, t.z}, before, after));
+            const Vec3f d = to_float(rotated({t.x, t.y, t.z}, before, after));
             t = {d.x, d.y, d.z, t.w};
         };
         turn_borders(positions, moved, turn);

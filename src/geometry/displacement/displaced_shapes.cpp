@@ -120,7 +120,7 @@ bool DisplacedShapes::has(const Mesh& mesh) const
 const DisplacedShapes::Entry* DisplacedShapes::find(const SceneDescription& scene, const Shape& shape) const
 {
     if (entries_.empty()) return nullptr;
-    const auto found = entries_.find({described_content(scene, shape), shape.material});
+    const auto found = entries_.find({described_geometry(scene, shape), shape.material});
     return found == entries_.end() ? nullptr : &found->second;
 }
 
@@ -149,7 +149,7 @@ void DisplacedShapes::add(const SceneDescription& scene, const SceneTables& tabl
             "{}: displacement of curves, of points and of spheres with a center_end is not supported", scene.file));
         return;
     }
-    const auto [place, is_new] = entries_.try_emplace({described_content(scene, shape), shape.material});
+    const auto [place, is_new] = entries_.try_emplace({described_geometry(scene, shape), shape.material});
     if (!is_new) return;
     const Mesh made = instance ? Mesh() : tessellate(shape.geometry);
     const Mesh& mesh = instance ? scene.meshes[std::size_t(instance->mesh)] : made;

@@ -70,7 +70,7 @@ public:
         for (Float& c : s.at.vertex_color) c = Float(1);
         for (int i = 0; i < 2; ++i) s.at.u[i] = hit.u, s.at.v[i] = hit.v;
         s.ng = Vec3(Float(0), Float(0), Float(1));
-        if (scene_.wants_uv_slopes) s.ways.clear();
+        if (scene_.wants_uv_slopes) s.derivatives.clear();
 
         const RecordRow<ShapeRecord, 2> shape(t_.shapes, s.shape, m);
         s.material = shape.get(&ShapeRecord::material);
@@ -181,9 +181,9 @@ private:
         place.read_uv(t_.uv0, has(ShapeRecord::has_uv0), s.at.u[0], s.at.v[0]);
         place.read_uv(t_.uv1, has(ShapeRecord::has_uv1), s.at.u[1], s.at.v[1]);
         if (scene_.wants_uv_slopes) {
-            s.ways.set_edges(e1, e2, m);
-            s.ways.read_uv(t_.uv0, vertex, 0, has(ShapeRecord::has_uv0));
-            s.ways.read_uv(t_.uv1, vertex, 1, has(ShapeRecord::has_uv1));
+            s.derivatives.set_edges(e1, e2, m);
+            s.derivatives.read_uv(t_.uv0, vertex, 0, has(ShapeRecord::has_uv0));
+            s.derivatives.read_uv(t_.uv1, vertex, 1, has(ShapeRecord::has_uv1));
         }
         Vec3 tangent = uv_tangent(e1, e2, vertex, has(ShapeRecord::has_uv0), s.bitangent_sign);
         s.bitangent_sign = select(m, flip_sign(s.bitangent_sign, dot(n, ns)), s.bitangent_sign);
@@ -250,7 +250,7 @@ private:
         s.ns = select(m, normal(s.ns), s.ns);
         s.tangent = select(m, to_render.vector(s.tangent), s.tangent);
         if (scene_.wants_uv_slopes)
-            for (Vec3& way : s.ways.way) way = select(m, to_render.vector(way), way);
+            for (Vec3& way : s.derivatives.way) way = select(m, to_render.vector(way), way);
         s.bitangent_sign = select(m, flip_sign(s.bitangent_sign, to_object.determinant()), s.bitangent_sign);
     }
 
@@ -264,7 +264,7 @@ private:
         const Float rounding = rounding_along(s.ng, s.p, way) + scene_.quads.rounding(quad);
         s.offset = select(m, rounding, s.offset);
         s.ns = select(m, s.ng, s.ns);
-        if (!scene_.wants_uv) return;
+        if (!scene_.needs_uv) return;
         const Vec3 corner = gather(t_.quads, &QuadRecord::corner, quad, m),
                    u = gather(t_.quads, &QuadRecord::edge_u, quad, m),
                    v = gather(t_.quads, &QuadRecord::edge_v, quad, m);
@@ -277,7 +277,7 @@ private:
             s.at.v[i] = select(m, Float(1) - vv, s.at.v[i]);
         }
         s.tangent = select(m, u, s.tangent);
-        if (scene_.wants_uv_slopes) s.ways.set(u, -v, m);
+        if (scene_.wants_uv_slopes) s.derivatives.set(u, -v, m);
     }
 
     /// Axes of the nodes of round shapes, which orient their texture coordinates.
@@ -326,7 +326,7 @@ private:
         s.ng = select(m, n, s.ng);
         s.ns = select(m, n, s.ns);
         s.offset = select(m, rounding_along(n, s.p, abs(way) + abs(s.p - center)), s.offset);
-        if (!scene_.wants_uv) return;
+        if (!scene_.needs_uv) return;
         const NodeAxes axes = node_axes(s.shape, m);
         const Frame frame(axes.to_node(n));
         const Vec3 r = axes.to_node(s.p - center);
@@ -338,7 +338,7 @@ private:
         s.tangent = select(m, axes.from_node(frame.s), s.tangent);
         if (scene_.wants_uv_slopes) {
             const Float width = radius + radius;
-            s.ways.set(axes.from_node(frame.s) * width, axes.from_node(frame.t) * -width, m);
+            s.derivatives.set(axes.from_node(frame.s) * width, axes.from_node(frame.t) * -width, m);
         }
         s.bitangent_sign = select(m, axes.handedness(), s.bitangent_sign);
     }
@@ -362,7 +362,7 @@ private:
                    s.offset);
         s.ng = select(m, flip_sign(out, radius), s.ng);
         s.ns = select(m, s.ng, s.ns);
-        if (!scene_.wants_uv) return;
+        if (!scene_.needs_uv) return;
         // Texture coordinates of balls: u runs around +y, v from the pole at +y down.
         const NodeAxes axes = node_axes(s.shape, m);
         const Vec3 to = axes.to_node(out);
@@ -377,8 +377,8 @@ private:
             const Float half_turn = abs(radius) * Float(float(pi));
             // At the poles the direction of u is undefined.
             const Float from_axis = max(sqrt(fma(to.x, to.x, to.z * to.z)), Float(1e-4f)), slant = to.y / from_axis;
-            s.ways.set(axes.from_node({to.z, Float(0), -to.x}) * (half_turn + half_turn),
-                       axes.from_node({to.x * slant, -from_axis, to.z * slant}) * half_turn, m);
+            s.derivatives.set(axes.from_node({to.z, Float(0), -to.x}) * (half_turn + half_turn),
+                              axes.from_node({to.x * slant, -from_axis, to.z * slant}) * half_turn, m);
         }
         s.bitangent_sign = select(m, flip_sign(axes.handedness(), radius), s.bitangent_sign);
     }

@@ -22,7 +22,7 @@ struct Raster {
 
 /// An image of this size whose pixels are `texel_at(x, y)`.
 template <class Texel, class TexelAt>
-Raster<Texel> rearranged(int width, int height, TexelAt texel_at)
+Raster<Texel> remapped_pixels(int width, int height, TexelAt texel_at)
 {
     Raster<Texel> to{width, height, {}};
     to.texels.reserve(std::size_t(width) * std::size_t(height));
@@ -44,18 +44,18 @@ Raster<Texel> transformed(Raster<Texel> raster, const EncodedImage& file, const 
         if (!avif_library().avifCropRectConvertCleanApertureBox(&cut, &image.clap, image.width, image.height,
                                                                 image.yuvFormat, &why))
             throw Error(file.name, "", fmt::format("damaged AVIF: {}", why.error));
-        raster = rearranged<Texel>(int(cut.width), int(cut.height),
-                                   [&](int x, int y) { return from(x + int(cut.x), y + int(cut.y)); });
+        raster = remapped_pixels<Texel>(int(cut.width), int(cut.height),
+                                        [&](int x, int y) { return from(x + int(cut.x), y + int(cut.y)); });
     }
     const int quarters = image.transformFlags & AVIF_TRANSFORM_IROT ? image.irot.angle & 3 : 0;
     for (int i = 0; i < quarters; ++i)  // a quarter turn counterclockwise: the right side becomes the top
-        raster =
-            rearranged<Texel>(raster.height, raster.width, [&](int x, int y) { return from(raster.width - 1 - y, x); });
+        raster = remapped_pixels<Texel>(raster.height, raster.width,
+                                        [&](int x, int y) { return from(raster.width - 1 - y, x); });
     if (image.transformFlags & AVIF_TRANSFORM_IMIR) {
         // The only member is called `mode` or `axis`, depending on the version of libavif; 0 exchanges top and bottom
         // in all.
         const auto [sides] = image.imir;
-        raster = rearranged<Texel>(raster.width, raster.height, [&](int x, int y) {
+        raster = remapped_pixels<Texel>(raster.width, raster.height, [&](int x, int y) {
             return sides ? from(raster.width - 1 - x, y) : from(x, raster.height - 1 - y);
         });
     }

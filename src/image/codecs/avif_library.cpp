@@ -18,10 +18,10 @@ AvifLibrary open_library()
 {
     void* const library = dlopen(soname, RTLD_NOW | RTLD_LOCAL);
     if (!library)
-        throw Error("", "", fmt::format("AVIF needs {}, which can't be opened: {}", soname, shared_library_trouble()));
+        throw Error("", "", fmt::format("AVIF needs {}, which can't be opened: {}", soname, dynamic_library_error()));
     AvifLibrary avif{};
     const auto load_symbol = [&](auto& function, const char* name) {
-        take_function(library, soname, "libavif", name, function);
+        load_function(library, soname, "libavif", name, function);
     };
     load_symbol(avif.avifCropRectConvertCleanApertureBox, "avifCropRectConvertCleanApertureBox");
     load_symbol(avif.avifDecoderCreate, "avifDecoderCreate");

@@ -60,7 +60,7 @@ Image::Layer& layer_named(Image& image, const std::string& name)
 }
 
 /// Rank of a layer as the main image, from its name and channels; lower is better.
-int picture_rank(const std::string& layer, const std::vector<std::string>& channels)
+int main_image_rank(const std::string& layer, const std::vector<std::string>& channels)
 {
     constexpr std::string_view usual_names[] = {"beauty", "color", "colour", "combined",
                                                 "image",  "main",  "rgb",    "rgba"};
@@ -83,14 +83,14 @@ std::optional<int> part_rank(const Imf::Header& header)
     }
     std::optional<int> best;
     for (const auto& [layer, channels] : layers) {
-        const int rank = picture_rank(layer, channels);
+        const int rank = main_image_rank(layer, channels);
         best = best ? std::min(*best, rank) : rank;
     }
     return best;
 }
 
 /// Index of the part of a multi-part file that contains the main image.
-std::size_t picture_part(const EncodedImage& file, const std::vector<Imf::Header>& headers)
+std::size_t main_image_part(const EncodedImage& file, const std::vector<Imf::Header>& headers)
 {
     std::optional<std::size_t> found;
     std::optional<int> least;
@@ -251,10 +251,10 @@ void place_in_display(Image& image, const Imath::Box2i& data, const Imath::Box2i
     image.width = int(size[0]), image.height = int(size[1]);
 }
 
-/// Moves the main image to the front; if all layers have names, the likeliest one by picture_rank() is taken.
-void put_picture_first(std::vector<Image::Layer>& layers)
+/// Moves the main image to the front; if all layers have names, the likeliest one by main_image_rank() is taken.
+void move_main_image_first(std::vector<Image::Layer>& layers)
 {
-    const auto rank = [](const Image::Layer& layer) { return picture_rank(layer.name, layer.channels); };
+    const auto rank = [](const Image::Layer& layer) { return main_image_rank(layer.name, layer.channels); };
     const auto best =
         std::min_element(layers.begin(), layers.end(), [&](const auto& a, const auto& b) { return rank(a) < rank(b); });
     std::rotate(layers.begin(), best, best + 1);
@@ -266,7 +266,7 @@ Image read_exr(const EncodedImage& file)
 {
     if (!exr_headers_end(file.bytes, file.size)) throw Error(file.name, "", "the file is cut short or damaged");
     const std::vector<Imf::Header> headers = read_exr_headers(file);
-    const std::size_t part = picture_part(file, headers);
+    const std::size_t part = main_image_part(file, headers);
     const Imf::Header& header = headers[part];
     check_sizes(file, headers, header);
     const auto size = size_of(header.dataWindow());
@@ -275,7 +275,7 @@ Image read_exr(const EncodedImage& file)
     Image image = read_part(file, headers.size() > 1, part, threads);
     add_chroma(image, file, header, part > 0, threads);
     place_in_display(image, header.dataWindow(), header.displayWindow());
-    put_picture_first(image.layers);
+    move_main_image_first(image.layers);
 
     for (auto a = header.begin(); a != header.end(); ++a)
         if (const auto* text = dynamic_cast<const Imf::StringAttribute*>(&a.attribute()))

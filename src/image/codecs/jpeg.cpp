@@ -168,7 +168,7 @@ std::vector<unsigned char> encode_jpeg(const Image& image, const WriteOptions& o
     const Image::Layer& layer = image.layers[0];
     const DisplayChannels channels = display_channels(layer);
     std::vector<unsigned char> codes(std::size_t(image.width) * std::size_t(image.height) * 3);
-    fill_codes(layer, 3, codes.data(), [&](const float* pixel, unsigned char* code) {
+    encode_pixels(layer, 3, codes.data(), [&](const float* pixel, unsigned char* code) {
         const auto rgb = map.codes8({pixel[channels.r], pixel[channels.g], pixel[channels.b]});
         std::copy(rgb.begin(), rgb.end(), code);
     });

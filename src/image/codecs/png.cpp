@@ -141,7 +141,7 @@ template <class Code, class Light, class Unit>
 void fill_straight(const Image::Layer& layer, bool alpha, Code* codes, Light light, Unit unit)
 {
     const DisplayChannels channels = display_channels(layer);
-    fill_codes(layer, alpha ? 4 : 3, codes, [&](const float* pixel, Code* code) {
+    encode_pixels(layer, alpha ? 4 : 3, codes, [&](const float* pixel, Code* code) {
         const float a = alpha ? pixel[channels.a] : 1;
         const float straight = a > 0 ? 1 / a : 0;
         const auto rgb =

@@ -94,7 +94,7 @@ ColorMatrix conversion(const Chromaticities& from, const Chromaticities& to)
     return multiply(inverse(xyz_from_rgb(to)), multiply(adaptation(from.white, to.white), xyz_from_rgb(from)));
 }
 
-Vec2f white_of(double kelvin)
+Vec2f white_chromaticity(double kelvin)
 {
     const double t = kelvin;
     if (t < 4000) {
@@ -115,7 +115,7 @@ Vec2f white_of(double kelvin)
 ColorMatrix white_balance(double kelvin)
 {
     const ColorMatrix xyz = xyz_from_rgb(rec709_chromaticities);
-    return multiply(inverse(xyz), multiply(adaptation(white_of(kelvin), rec709_chromaticities.white), xyz));
+    return multiply(inverse(xyz), multiply(adaptation(white_chromaticity(kelvin), rec709_chromaticities.white), xyz));
 }
 
 void convert(Image::Layer& layer, const ColorMatrix& matrix)

@@ -24,7 +24,7 @@ ColorMatrix conversion(const Chromaticities& from, const Chromaticities& to);
 
 /// Chromaticity (CIE 1931 xy) of light of a color temperature in kelvin, in [1000, 25000]: a CIE daylight illuminant
 /// from 4000 K on (CIE 15; D65 has 6504 K), a black body below, where daylight is not defined.
-Vec2f white_of(double kelvin);
+Vec2f white_chromaticity(double kelvin);
 
 /// White balance in linear Rec.709: adapts colors under light of this temperature to D65.
 ColorMatrix white_balance(double kelvin);

@@ -102,7 +102,7 @@ Color DisplayMap::exposed(const Color& radiance) const
 }
 
 /// OpenColorIO's display values, which are encoded already.
-Color DisplayMap::sent(const Color& radiance) const
+Color DisplayMap::display_value(const Color& radiance) const
 {
     const Color c = exposed(radiance);
     float rgb[3] = {c.r, c.g, c.b};
@@ -113,7 +113,7 @@ Color DisplayMap::sent(const Color& radiance) const
 std::array<unsigned char, 3> DisplayMap::codes8(const Color& radiance) const
 {
     if (ocio_) {
-        const Color c = sent(radiance);
+        const Color c = display_value(radiance);
         return {unit8(c.r), unit8(c.g), unit8(c.b)};
     }
     const SrgbTable& table = srgb_table();
@@ -124,7 +124,7 @@ std::array<unsigned char, 3> DisplayMap::codes8(const Color& radiance) const
 std::array<std::uint16_t, 3> DisplayMap::codes16(const Color& radiance) const
 {
     if (ocio_) {
-        const Color c = sent(radiance);
+        const Color c = display_value(radiance);
         return {unit16(c.r), unit16(c.g), unit16(c.b)};
     }
     const auto code = [](float x) { return std::uint16_t(srgb_from_linear(x) * 65535 + 0.5); };
@@ -162,7 +162,7 @@ std::vector<unsigned char> to_display(const Image::Layer& layer, int width, int 
     const DisplayMap map(display);
     const DisplayChannels channels = display_channels(layer);
     std::vector<unsigned char> codes(std::size_t(width) * std::size_t(height) * 4);
-    fill_codes(layer, 4, codes.data(), [&](const float* pixel, unsigned char* code) {
+    encode_pixels(layer, 4, codes.data(), [&](const float* pixel, unsigned char* code) {
         float straight = 1;
         code[3] = 255;
         if (channels.a >= 0) {

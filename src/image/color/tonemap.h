@@ -25,7 +25,7 @@ public:
 
 private:
     Color exposed(const Color& radiance) const;
-    Color sent(const Color& radiance) const;
+    Color display_value(const Color& radiance) const;
 
     float scale_;
     std::optional<std::array<std::array<float, 3>, 3>> balance_;

@@ -25,7 +25,7 @@ public:
         if (scene_.open_media) {
             const Mask inside = dot(hit.d, s.ng) >= Float(0);
             const Mask skips_interface = solid_boundary(materials_, s.material, media, inside, hits).skips_interface;
-            hits &= !seen_through(scene_, materials_, s.material, skips_interface, hits).open;
+            hits &= !classify_interface(scene_, materials_, s.material, skips_interface, hits).open;
             if (none(hits)) return;
         }
         const Spectrum albedo = albedo_of(s, hits);

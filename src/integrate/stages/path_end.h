@@ -46,8 +46,8 @@ inline Float max_survival(UInt bounce)
 
 /// Efficiency-aware roulette in the lanes of `known`, with the survival probability `chance` (see
 /// session/efficiency_roulette.h); `otherwise` in other lanes.
-[[gnu::always_inline]] inline Roulette roulette_by_need(Mask known, Float chance, UInt bounce,
-                                                        const Roulette& otherwise)
+[[gnu::always_inline]] inline Roulette efficiency_roulette(Mask known, Float chance, UInt bounce,
+                                                           const Roulette& otherwise)
 {
     constexpr float least = 0.1f;
     return {Mask(known | otherwise.plays),
@@ -56,7 +56,8 @@ inline Float max_survival(UInt bounce)
 
 /// Plays Russian roulette. Returns the lanes whose path ends, by roulette or because its throughput is 0; scales up the
 /// throughput of the others.
-[[gnu::always_inline]] inline Mask play(const Roulette& roulette, const SampleKey& key, UInt seed, Spectrum& throughput)
+[[gnu::always_inline]] inline Mask apply_roulette(const Roulette& roulette, const SampleKey& key, UInt seed,
+                                                  Spectrum& throughput)
 {
     Mask ends = !(max_component(throughput) > Float(0));
     if (any(roulette.plays)) {

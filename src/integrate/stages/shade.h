@@ -61,7 +61,7 @@ private:
     /// Lanes of m that sample a light at this vertex.
     Mask samples_light(std::size_t i, Mask m) const
     {
-        return has_light_chance_ ? m & (paths_->light_chance.load(i) > Float(0)) : m;
+        return has_light_chance_ ? m & (paths_->nee_probability.load(i) > Float(0)) : m;
     }
 
     /// Random numbers of a gang for its next bounce.
@@ -105,7 +105,7 @@ private:
         ShadingPoint<Closure> at = read_shading_point<Closure>(surfaces_, materials_, hit,
                                                                scene_.tracks_media ? &media : nullptr, valid, clock_);
         Spectrum throughput = p.throughput.load(i);
-        if (scene_.one_sided && !Closure::transmits) throughput = lit_side(at, throughput, valid);
+        if (scene_.one_sided && !Closure::transmits) throughput = black_on_back(at, throughput, valid);
         if constexpr (is_layered<Closure> && Closure::transmits) choose_channel(key, seed, at.material, throughput);
         const Closure closure(at.material);
         clock_.enter(RenderStage::light);
@@ -121,10 +121,10 @@ private:
         Scattered next = scatter(closure, at, guidance, key, seed, index, throughput);
         UInt next_state = (state & UInt(~PathPool::specular)) + UInt(1u);
         next_state = next_state | select(next.is_delta, UInt(PathPool::specular), UInt(PathPool::scattered));
-        Mask straight(false), no_bounce(false);
+        Mask undeflected(false), no_bounce(false);
         if (Closure::kind == ClosureKind::glass && scene_.transmissive_shadows)
-            go_straight(i, at, next.wi, valid & (hit.material == UInt(no_index)), state, next_state, straight,
-                        no_bounce);
+            pass_interface(i, at, next.wi, valid & (hit.material == UInt(no_index)), state, next_state, undeflected,
+                           no_bounce);
         Float eta_scale(1.f);
         if (scene_.refracts) {
             eta_scale = p.eta_scale.load(i) * next.eta * next.eta;
@@ -135,16 +135,16 @@ private:
             if constexpr (is_layered<Closure>) beyond = select(next.enters_subsurface, at.media_below, beyond);
             p.media.store(i, select(dot(next.wi, at.ng) < Float(0), beyond, at.media), valid);
             if constexpr (is_layered<Closure>)
-                if (scene_.textured_media) keep_medium(i, valid & next.enters_subsurface, at);
+                if (scene_.textured_media) store_subsurface_medium(i, valid & next.enters_subsurface, at);
         }
         if (scene_.scatters_inside && !scene_.open_media) p.walk_steps.store(i, UInt(0u), valid);
         Roulette roulette = roulette_by_throughput(settings_, bounce, eta_scale, next.throughput);
         if (guidance.is_on()) {
             const Float chance = mean(throughput * at.material.base_color) * guidance.survival_factor();
-            roulette = roulette_by_need(guidance.known(), chance, bounce, roulette);
+            roulette = efficiency_roulette(guidance.known(), chance, bounce, roulette);
         }
         roulette.plays &= !no_bounce;
-        Mask ends = play(roulette, key, seed, next.throughput);
+        Mask ends = apply_roulette(roulette, key, seed, next.throughput);
         // A path that could only continue through a null interface and did not is finished.
         if (Closure::kind == ClosureKind::glass && scene_.transmissive_shadows)
             ends |= !no_bounce & !may_scatter(settings_, bounce);
@@ -152,11 +152,12 @@ private:
         Float exit_offset = at.exit_offset(next.wi);
         // Lights are sampled at this vertex with a probability only; dividing by it scales their density in the MIS
         // weight.
-        Float weighed_pdf = next.pdf;
-        if (has_light_chance_) weighed_pdf = weighed_pdf / abs(p.light_chance.load(i));
+        Float mis_pdf = next.pdf;
+        if (has_light_chance_) mis_pdf = mis_pdf / abs(p.nee_probability.load(i));
         if (Closure::kind == ClosureKind::glass && scene_.transmissive_shadows) {
-            weighed_pdf = select(straight, p.bsdf_pdf.load(i), weighed_pdf);
-            exit_offset = select(straight, p.exit_offset.load(i) + dot(at.start(next.wi) - hit.o, hit.d), exit_offset);
+            mis_pdf = select(undeflected, p.bsdf_pdf.load(i), mis_pdf);
+            exit_offset =
+                select(undeflected, p.exit_offset.load(i) + dot(at.start(next.wi) - hit.o, hit.d), exit_offset);
         }
         if (Closure::is_guided && recorder_.is_on())
             recorder_.record_directions(p.number.load(i), bounce, at.frame.n, next.wi, next.pdf, next.throughput,
@@ -164,8 +165,8 @@ private:
         p.origin.store(i, at.start(next.wi), valid);
         p.direction.store(i, next.wi, valid);
         p.throughput.store(i, next.throughput, valid);
-        p.bsdf_pdf.store(i, weighed_pdf, valid);
-        if (scene_.has_way_out) p.exit_offset.store(i, exit_offset, valid);
+        p.bsdf_pdf.store(i, mis_pdf, valid);
+        if (scene_.has_exit_offset) p.exit_offset.store(i, exit_offset, valid);
         p.state.store(i, next_state, valid);
     }
 
@@ -173,13 +174,13 @@ private:
     /// state of those for which that is no bounce: their flags of previous scattering stay. m: lanes whose material was
     /// not chosen by a mixture.
     template <class Closure>
-    [[gnu::noinline]] void go_straight(std::size_t i, const ShadingPoint<Closure>& at, const Vec3& wi, Mask m,
-                                       UInt state, UInt& next_state, Mask& straight, Mask& no_bounce)
+    [[gnu::noinline]] void pass_interface(std::size_t i, const ShadingPoint<Closure>& at, const Vec3& wi, Mask m,
+                                          UInt state, UInt& next_state, Mask& undeflected, Mask& no_bounce)
     {
-        const SeenThrough there = seen_through(scene_, materials_, at.material_index, at.skips_interface, m);
-        straight = (there.pane & (dot(wi, at.ng) < Float(0))) | there.open;
-        no_bounce = there.no_bounce & straight;
-        next_state = select(straight, state + UInt(1u), next_state);
+        const PassedInterface there = classify_interface(scene_, materials_, at.material_index, at.skips_interface, m);
+        undeflected = (there.pane & (dot(wi, at.ng) < Float(0))) | there.open;
+        no_bounce = there.no_bounce & undeflected;
+        next_state = select(undeflected, state + UInt(1u), next_state);
         if (!scene_.open_media) return;
         // Passing an open boundary counts as a step, so that the next vertex uses new random numbers.
         const UInt step = paths_->walk_steps.load(i) + UInt(1u);
@@ -190,7 +191,7 @@ private:
 
     /// Throughput set to 0 on the back of one-sided surfaces.
     template <class Closure>
-    Spectrum lit_side(const ShadingPoint<Closure>& at, const Spectrum& throughput, Mask valid) const
+    Spectrum black_on_back(const ShadingPoint<Closure>& at, const Spectrum& throughput, Mask valid) const
     {
         const UInt flags = materials_.get(&MaterialRecord::flags, at.material_index, valid & at.inside);
         const Mask black = at.inside & ((flags & UInt(MaterialRecord::one_sided)) != UInt(0u));
@@ -200,7 +201,7 @@ private:
     /// Stores the coefficients of the subsurface medium that paths enter, from the color and radius textures at the
     /// point of entry.
     template <class Closure>
-    void keep_medium(std::size_t i, Mask enters, const ShadingPoint<Closure>& at)
+    void store_subsurface_medium(std::size_t i, Mask enters, const ShadingPoint<Closure>& at)
     {
         if (none(enters)) return;
         const UInt medium = materials_.get(&MaterialRecord::subsurface_medium, at.material_index, enters);
@@ -209,7 +210,7 @@ private:
         paths_->walk_albedo.store(i, scattering_albedo(layers.subsurface_color, anisotropy), enters);
         Spectrum extinction;
         for (int k = 0; k < channels; ++k)
-            extinction.c[k] = Float(1) / max(layers.subsurface_radius.c[k], Float(shortest_free_path));
+            extinction.c[k] = Float(1) / max(layers.subsurface_radius.c[k], Float(min_mean_free_path));
         paths_->walk_extinction.store(i, extinction, enters);
     }
 
@@ -238,7 +239,7 @@ private:
         const Vec3 eye = at.eye();
         const Sample2 random = sample_2d(index, pair_seed(seed, pair_light));
         LightSample s = lights_.sample(valid, eye, key, seed, random, time);
-        if (has_light_chance_) s.inverse_pdf = s.inverse_pdf / abs(paths_->light_chance.load(i));
+        if (has_light_chance_) s.inverse_pdf = s.inverse_pdf / abs(paths_->nee_probability.load(i));
         Mask lit = valid & (s.inverse_pdf > Float(0));
         Spectrum add = direct_light(closure, at, guidance, s, throughput, lit);
         MediumStack media;
@@ -256,9 +257,9 @@ private:
         if (!scene_.is_flat) {
             const UInt path = iota() + UInt(std::uint32_t(i));
             if (scene_.transmissive_shadows)
-                shadows_.push(ray, add, media, path, s.sees_environment, lit);
+                shadows_.push(ray, add, media, path, s.needs_environment_radiance, lit);
             else
-                shadows_.push(ray, add, path, s.sees_environment, lit);
+                shadows_.push(ray, add, path, s.needs_environment_radiance, lit);
             return;
         }
         PathPool& p = *paths_;
@@ -274,7 +275,7 @@ private:
     static void roulette_shadow_ray(const Guidance& guidance, Float brings, const SampleKey& key, UInt seed,
                                     Spectrum& light, Mask& lit)
     {
-        const Float chance = guidance.shadow_chance(brings, lit);
+        const Float chance = guidance.shadow_ray_probability(brings, lit);
         lit &= sample_hash(key, pair_seed(seed, pair_shadow_chance)) < chance;
         light = light * (Float(1) / chance);
     }

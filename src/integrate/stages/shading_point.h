@@ -61,7 +61,7 @@ namespace detail {
 /// mirror direction rises by a sin 2x + b cos 2x = r cos(2x - p), where a = r sin p and b = r cos p. It must rise by t,
 /// which is less than the b that x = 0 gives, so that normals which agree stay unchanged: 2x = p + acos(t / r). With t
 /// much below b, rays that are reflected repeatedly inside glass would end up creeping along its surface.
-inline Vec3 bend_to_mirror(const Vec3& wo, const Vec3& ng, const Vec3& ns)
+inline Vec3 bend_shading_normal(const Vec3& wo, const Vec3& ng, const Vec3& ns)
 {
     const Float b = dot(wo, ng), cosine = dot(ns, ng);
     const Float t = min(b * Float(0.9f), Float(0.02f));
@@ -113,26 +113,28 @@ inline void find_media(const MaterialReader& materials, Mask m, ShadingPoint<Clo
 }
 
 /// Transforms the directions that a material stores into the frame of the shading normal. wo is on the side of ng.
-inline void turn(const Frame&, const Vec3&, const Vec3&, Float, MaterialPoint&) {}
-inline void turn(const Frame& frame, const Vec3&, const Vec3&, Float, DisneyMaterialPoint& material)
+inline void to_shading_frame(const Frame&, const Vec3&, const Vec3&, Float, MaterialPoint&) {}
+inline void to_shading_frame(const Frame& frame, const Vec3&, const Vec3&, Float, DisneyMaterialPoint& material)
 {
     material.disney.tangent = frame.to_local(material.disney.tangent);
 }
-inline void turn(const Frame& frame, const Vec3&, const Vec3&, Float facing, MeasuredMaterialPoint& material)
+inline void to_shading_frame(const Frame& frame, const Vec3&, const Vec3&, Float facing,
+                             MeasuredMaterialPoint& material)
 {
     material.measured.tangent = frame.to_local(material.measured.tangent);
     material.measured.facing = facing;
 }
-inline void turn(const Frame& frame, const Vec3& wo, const Vec3& ng, Float facing, LayeredMaterialPoint& material)
+inline void to_shading_frame(const Frame& frame, const Vec3& wo, const Vec3& ng, Float facing,
+                             LayeredMaterialPoint& material)
 {
     LayersPoint& layers = material.layers;
     if (layers.has(LayersRecord::anisotropic)) layers.tangent = frame.to_local(layers.tangent);
     if (layers.has(LayersRecord::with_coat))
-        layers.coat_normal = frame.to_local(bend_to_mirror(wo, ng, flip_sign(layers.coat_normal, facing)));
+        layers.coat_normal = frame.to_local(bend_shading_normal(wo, ng, flip_sign(layers.coat_normal, facing)));
 }
 
 /// Lifts directions that rounding put below the horizon.
-inline Vec3 upper(Vec3 w)
+inline Vec3 clamp_to_hemisphere(Vec3 w)
 {
     return {w.x, w.y, max(w.z, Float(1e-4f))};
 }
@@ -140,7 +142,7 @@ inline Vec3 upper(Vec3 w)
 /// Sets the frame of a fiber, whose x axis points along it, and the offset of the hit across it. On meshes the tangent
 /// of u points along the fiber and v runs across.
 template <class Closure>
-inline void turn_to_fiber(const Surface& s, Float facing, ShadingPoint<Closure>& at)
+inline void set_fiber_frame(const Surface& s, Float facing, ShadingPoint<Closure>& at)
 {
     const Frame any(at.ng);
     const Float length2 = dot(s.tangent, s.tangent);
@@ -160,7 +162,7 @@ inline void turn_to_fiber(const Surface& s, Float facing, ShadingPoint<Closure>&
     const Float down = -flip_sign(s.bitangent_sign, facing);
     at.across = select(s.is_curve, across, flip_sign(across, down));
     at.material.across = at.across;
-    at.wo = upper(at.frame.to_local(-at.d));
+    at.wo = clamp_to_hemisphere(at.frame.to_local(-at.d));
 }
 
 }  // namespace detail
@@ -188,12 +190,12 @@ template <class Closure>
     if constexpr (Closure::transmits)
         if (media) detail::find_media(materials, m, at);
     if constexpr (Closure::is_fiber) {
-        detail::turn_to_fiber(s, facing, at);
+        detail::set_fiber_frame(s, facing, at);
         return at;
     }
     if constexpr (Closure::is_glossy) {
         const Vec3 own = ns;
-        ns = detail::bend_to_mirror(-hit.d, at.ng, ns);
+        ns = detail::bend_shading_normal(-hit.d, at.ng, ns);
         if constexpr (Closure::transmits) {
             const Float eta = select(at.inside, Float(1) / at.material.ior, at.material.ior);
             ns = select(detail::refracts_about_ng(-hit.d, at.ng, ns, eta) & !at.material.thin, at.ng, ns);
@@ -206,8 +208,8 @@ template <class Closure>
         ns = select(dot(hit.d, ns) < Float(-1e-4f), ns, at.ng);
     }
     at.frame = Frame(ns);
-    detail::turn(at.frame, -hit.d, at.ng, facing, at.material);
-    at.wo = detail::upper(at.frame.to_local(-hit.d));
+    detail::to_shading_frame(at.frame, -hit.d, at.ng, facing, at.material);
+    at.wo = detail::clamp_to_hemisphere(at.frame.to_local(-hit.d));
     return at;
 }
 

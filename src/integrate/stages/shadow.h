@@ -16,16 +16,18 @@ class ShadowQueue {
 public:
     void clear() { size_ = 0; }
 
-    /// Appends the rays of the lanes of m. path: index in the pool. sees_environment: the contribution must be
-    /// multiplied by the environment's radiance along the ray.
-    [[gnu::always_inline]] void push(const Ray& ray, const Spectrum& light, UInt path, Mask sees_environment, Mask m)
+    /// Appends the rays of the lanes of m. path: index in the pool. needs_environment_radiance: the contribution must
+    /// be multiplied by the environment's radiance along the ray.
+    [[gnu::always_inline]] void push(const Ray& ray, const Spectrum& light, UInt path, Mask needs_environment_radiance,
+                                     Mask m)
     {
-        append(ray, light, marked(path, sees_environment), m);
+        append(ray, light, marked(path, needs_environment_radiance), m);
     }
     /// push() for scenes with transmissive shadows. media: stack at the origin of the rays.
-    void push(const Ray& ray, const Spectrum& light, const MediumStack& media, UInt path, Mask sees_environment, Mask m)
+    void push(const Ray& ray, const Spectrum& light, const MediumStack& media, UInt path,
+              Mask needs_environment_radiance, Mask m)
     {
-        push_on(ray, light, media, marked(path, sees_environment), UInt(0u), m);
+        push_on(ray, light, media, marked(path, needs_environment_radiance), UInt(0u), m);
     }
 
     /// Traces all rays and adds the contributions of unoccluded ones to their paths, whose bounce counts already
@@ -36,7 +38,7 @@ public:
         const bool clamp = settings.clamp_indirect > 0;
         if (scene.transmissive_shadows) return trace_through(scene, paths, settings, clock);
         scene.bvh.occluded(rays(scene, size_), blocked_.data, false);
-        if (scene.tables.environment.light != no_index) see_environment_unless_blocked(scene);
+        if (scene.tables.environment.light != no_index) multiply_environment_unoccluded(scene);
         std::size_t clear = 0;
         for (std::size_t k = 0; k < size_; ++k) {
             if (blocked_[k]) continue;
@@ -81,7 +83,7 @@ private:
     }
 
     /// Looks up the environment for unoccluded rays, compacted: inside rooms they are few.
-    void see_environment_unless_blocked(const LaneScene& scene)
+    void multiply_environment_unoccluded(const LaneScene& scene)
     {
         std::size_t seen = 0;
         for (std::size_t i = 0; i < size_; i += lanes) {
@@ -89,10 +91,10 @@ private:
             seen_.append(seen, iota() + UInt(std::uint32_t(i)), m);
             seen += std::size_t(count(m));
         }
-        for (std::size_t i = 0; i < seen; i += lanes) see_environment(scene, seen_.load(i), first_lanes(seen - i));
+        for (std::size_t i = 0; i < seen; i += lanes) multiply_environment(scene, seen_.load(i), first_lanes(seen - i));
     }
     /// Multiplies contributions by the environment's radiance. index: rays, in the lanes of m.
-    [[gnu::noinline]] void see_environment(const LaneScene& scene, UInt index, Mask m)
+    [[gnu::noinline]] void multiply_environment(const LaneScene& scene, UInt index, Mask m)
     {
         const Spectrum seen = environment_radiance(scene.tables, direction_.gather(index, m), m);
         float values[channels][lanes];
@@ -103,9 +105,9 @@ private:
             for (int c = 0; c < channels; ++c) radiance_.c[c][at[lane]] *= values[c][lane];
         });
     }
-    static UInt marked(UInt path, Mask sees_environment)
+    static UInt marked(UInt path, Mask needs_environment_radiance)
     {
-        return select(sees_environment, path | UInt(environment_mark), path);
+        return select(needs_environment_radiance, path | UInt(environment_mark), path);
     }
     static Mask is_marked(UInt path) { return (path & UInt(environment_mark)) != UInt(0u); }
 
@@ -125,11 +127,12 @@ private:
                 const Mask m = first_lanes(size - i);
                 const UInt primitive = hits_.primitive.load(i);
                 const Mask nothing = m & (primitive == UInt(no_index));
-                const UInt info = scene.info_of(primitive, hits_.instance.load(i), m & !nothing);
-                const Mask may_pass = m & !nothing & ((info & UInt(LaneScene::may_be_passed)) != UInt(0u));
+                const UInt info = scene.shape_info_of(primitive, hits_.instance.load(i), m & !nothing);
+                const Mask may_pass = m & !nothing & ((info & UInt(LaneScene::passes_shadow_rays)) != UInt(0u));
                 if (scene.has_absorption) attenuate(scene, i, nothing | may_pass);
                 const UInt ray = iota() + UInt(std::uint32_t(i));
-                if (const Mask out = nothing & is_marked(path_.load(i)); any(out)) see_environment(scene, ray, out);
+                if (const Mask out = nothing & is_marked(path_.load(i)); any(out))
+                    multiply_environment(scene, ray, out);
                 for_each_active(nothing,
                                 [&](int lane) { add(paths, i + std::size_t(lane), settings.clamp_indirect > 0); });
                 clear += std::size_t(count(nothing));
@@ -157,7 +160,7 @@ private:
         const MediumStack media = media_.load(i);
         const ShadingPoint<GlassBsdf> at = read_shading_point<GlassBsdf>(
             SurfaceReader(scene), materials, hit, scene.tracks_media ? &media : nullptr, m, clock);
-        const SeenThrough there = seen_through(scene, materials, at.material_index, at.skips_interface, m);
+        const PassedInterface there = classify_interface(scene, materials, at.material_index, at.skips_interface, m);
         const UInt path = path_.load(i), bounces = bounces_.load(i);
         const UInt number = path & UInt(~environment_mark);
         const UInt bounce = (paths.state.gather(number, m) & UInt(PathPool::bounce_mask)) + bounces;

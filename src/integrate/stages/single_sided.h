@@ -9,15 +9,15 @@ inline namespace FATHOM_LANES {
 /// Lets camera rays pass the backs of single-sided surfaces, as backface culling does: one looks into a room through
 /// its wall. Surfaces hidden from cameras are passed from both sides. All other rays see these surfaces, so light
 /// sampling and BSDF sampling agree.
-class CameraSeesThrough {
+class CameraPassThrough {
 public:
-    CameraSeesThrough(const LaneScene& scene, KernelCounters& counters)
+    CameraPassThrough(const LaneScene& scene, KernelCounters& counters)
         : scene_(scene), surfaces_(scene), materials_(scene), counters_(counters)
     {
     }
     /// Replaces the hits of camera paths [begin, end) on surfaces that they pass by the next hit behind. Distances stay
     /// relative to the origins of the paths.
-    void look_through(const PathPool& p, HitColumns& hits, std::size_t begin, std::size_t end)
+    void pass_surfaces(const PathPool& p, HitColumns& hits, std::size_t begin, std::size_t end)
     {
         // The limit bounds the work where very many see-through surfaces lie behind each other.
         for (int i = 0; i < 256; ++i) {

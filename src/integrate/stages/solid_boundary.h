@@ -25,13 +25,13 @@ inline SolidBoundary solid_boundary(const MaterialReader& materials, UInt materi
     const auto has = [&](std::uint32_t flag) { return (flags & UInt(flag)) != UInt(0u); };
     const Mask below = solid & inside & media.contains(subsurface);
     const MediumBoundary boundary(materials.tables(), media, select(below, subsurface, medium), !inside, solid);
-    const Mask is_nothing = has(MaterialRecord::open_boundary) & (boundary.other_ior == Float(1));
+    const Mask is_nothing = has(MaterialRecord::index_matched_boundary) & (boundary.other_ior == Float(1));
     const Mask skips_interface = solid & !has(MaterialRecord::thin) & (!boundary.is_there | is_nothing);
     return {solid, below, boundary, skips_interface};
 }
 
 /// Surfaces that shadow rays pass, and that paths may pass undeflected.
-struct SeenThrough {
+struct PassedInterface {
     Mask pane;       ///< thin smooth glass, passed by the light it does not reflect
     Mask open;       ///< boundary of an index-matched medium
     Mask no_bounce;  ///< passing the pane or boundary is not a bounce
@@ -39,12 +39,12 @@ struct SeenThrough {
 
 /// Classifies surfaces in the lanes of m, whose material must not have been chosen by a mixture. skips_interface: see
 /// SolidBoundary.
-inline SeenThrough seen_through(const LaneScene& scene, const MaterialReader& materials, UInt material,
-                                Mask skips_interface, Mask m)
+inline PassedInterface classify_interface(const LaneScene& scene, const MaterialReader& materials, UInt material,
+                                          Mask skips_interface, Mask m)
 {
     const UInt flags = materials.get(&MaterialRecord::flags, material, m);
     const auto has = [&](std::uint32_t flag) { return m & ((flags & UInt(flag)) != UInt(0u)); };
-    const Mask pane = has(MaterialRecord::pane), open = has(MaterialRecord::open_boundary) & skips_interface;
+    const Mask pane = has(MaterialRecord::pane), open = has(MaterialRecord::index_matched_boundary) & skips_interface;
     Mask no_bounce = open;
     // A pane that encloses an index-matched medium counts no bounce: the scattering inside the medium does.
     if (scene.open_media) no_bounce |= pane & (materials.get(&MaterialRecord::medium, material, pane) != UInt(0u));

@@ -33,7 +33,7 @@ public:
 
     /// Values of HitColumns::t that mark paths as scattered before their hit. scattered_first: the path came straight
     /// from the camera, in an open medium.
-    static constexpr float scattered_before = -1, scattered_first = -2;
+    static constexpr float scattered_in_medium = -1, scattered_first = -2;
     /// Largest number of steps of a path. Walks get this long only in solids of hundreds of mean free paths that absorb
     /// almost nothing.
     static constexpr std::uint32_t max_steps = 0x7fff;
@@ -49,7 +49,7 @@ public:
             if (scene_.scatters_inside) {
                 const Spectrum scattering = scattering_of(scene_, p, i, medium, inside);
                 const Mask scatters = inside & any_positive(scattering);
-                if (any(scatters)) go(p, hits, i, medium, scattering, scatters);
+                if (any(scatters)) scatter_in_medium(p, hits, i, medium, scattering, scatters);
                 if (none(inside & !scatters)) continue;
                 attenuate(p, hits, i, medium, inside & !scatters);
             } else {
@@ -74,8 +74,8 @@ private:
         p.throughput.store(i, p.throughput.load(i) * left, m);
     }
 
-    [[gnu::noinline]] void go(PathPool& p, HitColumns& hits, std::size_t i, UInt medium, const Spectrum& scattering,
-                              Mask m)
+    [[gnu::noinline]] void scatter_in_medium(PathPool& p, HitColumns& hits, std::size_t i, UInt medium,
+                                             const Spectrum& scattering, Mask m)
     {
         const SampleKey key{p.pixel_hash.load(i), p.reversed_index.load(i)};
         const UInt state = p.state.load(i), bounce = state & UInt(PathPool::bounce_mask);
@@ -90,7 +90,7 @@ private:
         Spectrum next = throughput * select(turns, way.scattered(scattering), way.passed(t_hit));
         Mask open(false);
         if (scene_.open_media) {
-            open = turns & (gather(tables_.media, &MediumRecord::is_open, medium, m) != UInt(0u));
+            open = turns & (gather(tables_.media, &MediumRecord::is_index_matched, medium, m) != UInt(0u));
             // The step count selects the random numbers at the boundary ahead, if it is passed.
             p.walk_steps.store(i, step, m);
         }
@@ -99,7 +99,7 @@ private:
         if (settings_.max_depth >= 0)
             counts |= turns & (gather(tables_.media, &MediumRecord::counts, medium, m) != UInt(0u));
         const Spectrum scattered = next;
-        const Mask ends = end_by_chance(turns, key, seed, bounce + step, p.eta_scale.load(i), next) |
+        const Mask ends = play_roulette(turns, key, seed, bounce + step, p.eta_scale.load(i), next) |
                           (turns & !less(step, UInt(max_steps))) | (counts & !may_scatter(settings_, bounce));
         p.throughput.store(i, next, m);
         if (none(turns)) return;
@@ -107,7 +107,7 @@ private:
         const Vec3 o = p.origin.load(i), d = p.direction.load(i);
         const Float g = gather(tables_.media, &MediumRecord::anisotropy, medium, m);
         const Vec3 turned = sample_phase(g, sample_2d(key, pair_seed(seed, pair_phase)));
-        const Vec3 at = fma(d, kept_inside(o, way.distance(), t_hit), o);
+        const Vec3 at = fma(d, clamp_to_segment(o, way.distance(), t_hit), o);
         const Mask lit = open & may_scatter(settings_, bounce);
         if (lights_are_sampled_ && any(lit))
             sample_light(p, i, at, g, key, step << 16 | UInt(light_group) | (bounce + UInt(1u)), scattered, lit);
@@ -115,7 +115,7 @@ private:
         p.direction.store(i, normalize(Frame(d).to_world(turned)), turns);
         p.walk_steps.store(i, step, turns);
         p.bsdf_pdf.store(i, select(open, phase_pdf(g, turned.z), Float(0)), turns);
-        if (scene_.has_way_out) p.exit_offset.store(i, Float(0), turns);
+        if (scene_.has_exit_offset) p.exit_offset.store(i, Float(0), turns);
         // The path counts as having left the camera: first hits are not recorded through a scattering medium.
         const Mask from_camera = bounce == UInt(0u);
         const UInt left = select(counts | from_camera, UInt(1u), UInt(0u));
@@ -123,7 +123,7 @@ private:
         const UInt specular = select(open, UInt(0u), UInt(PathPool::specular));
         const UInt others = state & UInt(~PathPool::specular);
         p.state.store(i, (others + left) | specular | UInt(PathPool::scattered) | dead, turns);
-        hits.t.store(i, select(open & from_camera, Float(scattered_first), Float(scattered_before)), turns);
+        hits.t.store(i, select(open & from_camera, Float(scattered_first), Float(scattered_in_medium)), turns);
         hits.primitive.store(i, UInt(no_index), turns);
     }
 
@@ -141,12 +141,12 @@ private:
         if (none(lit)) return;
         counters_.count_rays(RayKind::shadow, std::uint64_t(count(lit)));
         shadows_.push({at, s.wi, s.distance * Float(1 - 0x1p-16f), time}, light, p.media.load(i),
-                      iota() + UInt(std::uint32_t(i)), s.sees_environment, lit);
+                      iota() + UInt(std::uint32_t(i)), s.needs_environment_radiance, lit);
     }
 
     /// Limits the distance so that rounding cannot put the path beyond the surface ahead, from where it would not
     /// return.
-    static Float kept_inside(const Vec3& o, Float distance, Float t_hit)
+    static Float clamp_to_segment(const Vec3& o, Float distance, Float t_hit)
     {
         const Float size = max(max(abs(o.x), abs(o.y)), abs(o.z)) + min(t_hit, Float(1e30f));
         return min(distance, max(fma(size, Float(-0x1p-20f), t_hit), t_hit * Float(0.5f)));
@@ -154,7 +154,7 @@ private:
 
     /// Russian roulette in the lanes of m by throughput, without refraction's scaling of radiance. Paths without loss
     /// always survive: walks are long, and ending 5 % at each step would add more noise than it saves time.
-    Mask end_by_chance(Mask m, const SampleKey& key, UInt seed, UInt bounce, Float eta_scale,
+    Mask play_roulette(Mask m, const SampleKey& key, UInt seed, UInt bounce, Float eta_scale,
                        Spectrum& throughput) const
     {
         const Float largest = max_component(throughput);

@@ -47,7 +47,7 @@ public:
         for (std::uint32_t i = 0; i < t_.instances.size(); ++i) add_emissive_instance(i);
         for (const FlattenedLight& light : lights)
             if (light.light->kind != LightKind::directional) add_light(light);
-        t_.placed_lights = std::uint32_t(t_.lights.size());
+        t_.positioned_lights = std::uint32_t(t_.lights.size());
         for (const FlattenedLight& light : lights)
             if (light.light->kind == LightKind::directional) add_light(light);
         add_environment();
@@ -113,7 +113,7 @@ private:
             light.instance = instance;
             light.material = varied ? shape.material : no_index;
             if (material.flags & MaterialRecord::two_sided_emission) light.flags |= LightRecord::two_sided;
-            if (material.flags & MaterialRecord::invisible_light) light.flags |= LightRecord::unseen;
+            if (material.flags & MaterialRecord::invisible_light) light.flags |= LightRecord::not_hit_by_rays;
             std::copy(material.emission.begin(), material.emission.end(), light.radiance);
             // Power of a light. Textured emission counts as its factor times the area; curves emit from their outside
             // only.
@@ -168,7 +168,7 @@ private:
             }
         const double scale = scale_of(to_render);
         LightExtent extent{std::uint32_t(t_.lights.size()), to_render.point(center), radius * scale, {}};
-        if (path) path->put_ball(center, radius, extent);
+        if (path) path->set_bounding_ball(center, radius, extent);
         extents_.push_back(extent);
         return area * (path ? path->mean_area_factor() : scale * scale);
     }
@@ -186,7 +186,7 @@ private:
         if (light.instance != no_index) light.motion |= LightRecord::placed;
         // The stretch of an instance may shear the rectangle.
         if (m.path && !m.path->keeps_shape() && light.kind == std::uint32_t(LightRecordKind::rectangle))
-            unsquare(light);
+            to_parallelogram(light);
         LightExtent extent{std::uint32_t(t_.lights.size()), {}, 0, {}};
         Ball ball = own_ball(light);
         double area = double(light.area);
@@ -195,11 +195,11 @@ private:
             light.motion |= LightRecord::vertices_move;
             // Normals of instanced lights are transformed by the instance's map, which handles flipped ones.
             if (m.flipped && light.instance == no_index) light.motion |= LightRecord::flipped;
-            ball = follow_vertices(m, normals, area);
+            ball = bound_moving_triangle(m, normals, area);
         }
         extent.center = ball.center, extent.radius = ball.radius;
         if (m.path) {
-            m.path->put_ball(ball.center, ball.radius, extent);
+            m.path->set_bounding_ball(ball.center, ball.radius, extent);
             normals = m.vertices > 0 ? NormalCone() : m.path->cone(normals.axis);
             area *= m.path->mean_area_factor();
         }
@@ -238,7 +238,7 @@ private:
                 return {p, double(l.radius)};
         }
     }
-    static void unsquare(LightRecord& l)
+    static void to_parallelogram(LightRecord& l)
     {
         l.kind = std::uint32_t(LightRecordKind::parallelogram);
         for (int i = 0; i < 3; ++i) l.edge_u[i] *= l.length_u, l.edge_v[i] *= l.length_v;
@@ -246,7 +246,7 @@ private:
 
     /// Bounds of a triangle over all keys. Between keys its corners move linearly, and its normal is a weighted mean of
     /// three cross products of edges.
-    Ball follow_vertices(const Motion& m, NormalCone& normals, double& mean_area) const
+    Ball bound_moving_triangle(const Motion& m, NormalCone& normals, double& mean_area) const
     {
         struct Corners {
             Vec3d a, u, v;
@@ -309,13 +309,13 @@ private:
             light.radius = float(length(u + v));
         } else if (p < t_.first_disk()) {
             const SphereRecord& s = t_.spheres[p - t_.first_sphere()];
-            put_ball(light, to_double(s.center), double(s.radius), to_render);
+            set_bounding_ball(light, to_double(s.center), double(s.radius), to_render);
             store(light.motion_or_center, to_render.vector(to_double(s.motion)));
         } else if (p >= t_.first_curve() && p < t_.first_point()) {
             light.kind = std::uint32_t(LightRecordKind::curve);
         } else if (p >= t_.first_point()) {
             const Vec4f& point = t_.points[p - t_.first_point()];
-            put_ball(light, {double(point.x), double(point.y), double(point.z)}, double(point.w), to_render);
+            set_bounding_ball(light, {double(point.x), double(point.y), double(point.z)}, double(point.w), to_render);
         } else {
             const DiskRecord& d = t_.disks[p - t_.first_disk()];
             const double radius = double(d.radius) * scale_of(to_render);
@@ -328,7 +328,8 @@ private:
         return light;
     }
 
-    static void put_ball(LightRecord& light, const Vec3d& center, double own_radius, const Transform& to_render)
+    static void set_bounding_ball(LightRecord& light, const Vec3d& center, double own_radius,
+                                  const Transform& to_render)
     {
         const double radius = own_radius * scale_of(to_render);
         light.kind = std::uint32_t(LightRecordKind::sphere);
@@ -433,7 +434,7 @@ private:
             store(light.edge_v, {1, 0, 0}), store(light.normal, {0, 1, 0});
         const LightMotionBounds path(poses);
         LightExtent extent{std::uint32_t(t_.lights.size()), {}, 0, {}};
-        path.put_ball({}, radius, extent);
+        path.set_bounding_ball({}, radius, extent);
         const NormalCone directions = path.cone({0, 0, -1});
         extent.axis = directions.axis, extent.cos_turned = directions.cosine;
         extents_.push_back(extent);

@@ -79,7 +79,7 @@ LightMotionBounds::LightMotionBounds(std::span<const PoseRecord> poses)
     area_factor_ /= double(steps_.size());
 }
 
-void LightMotionBounds::put_ball(Vec3d center, double radius, LightExtent& to) const
+void LightMotionBounds::set_bounding_ball(Vec3d center, double radius, LightExtent& to) const
 {
     Vec3d lo, hi;
     bool is_first = true;

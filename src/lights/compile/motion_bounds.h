@@ -30,7 +30,7 @@ public:
     /// Mean scale factor of areas over the shutter interval, approximately.
     double mean_area_factor() const { return area_factor_; }
     /// Bounds the positions of a ball that is carried along.
-    void put_ball(Vec3d center, double radius, LightExtent& to) const;
+    void set_bounding_ball(Vec3d center, double radius, LightExtent& to) const;
     /// Bounds the directions of a normal that is carried along.
     NormalCone cone(Vec3d normal) const;
 

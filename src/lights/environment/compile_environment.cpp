@@ -71,8 +71,8 @@ double make_environment_distribution(EnvironmentRecord& t)
     const bool is_compensated = *std::max_element(cells.begin(), cells.end()) > much_above_mean * mean;
     if (is_compensated)
         for (float& v : cells) v = std::max(0.f, v - float(mean));
-    t.even_luminance = is_compensated ? float(mean) : 0;
-    t.sampled_luminance = float(4 * std::numbers::pi * mean_over_sphere(cells, w, h));
+    t.base_luminance = is_compensated ? float(mean) : 0;
+    t.luminance_per_pdf = float(4 * std::numbers::pi * mean_over_sphere(cells, w, h));
     t.marginal.assign(std::size_t(h) + 1, 0);
     t.conditional.assign(std::size_t(h) * std::size_t(w + 1), 0);
     std::vector<double> rows(std::size_t(h) + 1);
@@ -144,7 +144,7 @@ void compile_environment(Compiler& c)
     t.bottom = {e.bottom.r, e.bottom.g, e.bottom.b};
     t.top = {e.top.r, e.top.g, e.top.b};
     t.mean_luminance = 0;
-    t.even_luminance = t.sampled_luminance = 0;
+    t.base_luminance = t.luminance_per_pdf = 0;
     t.environment_from_render = EnvironmentRecord().environment_from_render;
     // Images are in the tables already. Leftovers of another environment must not affect the scene's fingerprint.
     if (!has_picture) {

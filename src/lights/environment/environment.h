@@ -134,7 +134,7 @@ inline EnvironmentSample sample_environment(const LightTables& tables, Sample2 r
     s.wi = detail::rotate_out(e, {theta.sin * phi.cos, theta.cos, theta.sin * phi.sin});
     s.inverse_pdf = select(pdf > Float(0), Float(1) / max(pdf, Float(1e-30f)), Float(0));
     s.at = at;
-    s.likely = fma(pdf, Float(e.sampled_luminance), Float(e.even_luminance));
+    s.likely = fma(pdf, Float(e.luminance_per_pdf), Float(e.base_luminance));
     return s;
 }
 

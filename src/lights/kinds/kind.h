@@ -3,7 +3,7 @@
 ///     static constexpr LightRecordKind kind
 ///     static LightPoint sample(light, p, time, random, active)   a point of it as seen from p, with its density
 /// and, if rays can hit it and it is not sampled uniformly by area in all lanes,
-///     static Mask by_angle(light, p)            lanes that are sampled in another way
+///     static Mask by_solid_angle(light, p)            lanes that are sampled in another way
 ///     static Float pdf(light, p, time, by_area) density in those lanes, by_area in the others
 /// light: a LightReader.
 #include "geometry/ray.h"

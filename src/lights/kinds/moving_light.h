@@ -35,7 +35,7 @@ public:
             edge_u_ = select(carried, select(beam, u, normalize(u)), edge_u_);
             if (any(beam)) turn_beam(to_render, beam);
             const Mask pictured = carried & is_kind(kind(), LightRecordKind::pictured);
-            if (any(pictured)) turn_picture(to_render, pictured);
+            if (any(pictured)) rotate_image_axes(to_render, pictured);
         }
     }
 
@@ -55,7 +55,7 @@ private:
     static Vec3 unit(const Vec3& v) { return v * inverse_sqrt(max(dot(v, v), Float(1e-37f))); }
 
     /// Rotates the axes of a light's image, and keeps them orthogonal; edge_u_ is transformed already.
-    void turn_picture(const Affine& to_render, Mask m)
+    void rotate_image_axes(const Affine& to_render, Mask m)
     {
         const Vec3 right = to_render.vector(edge_v_), up = to_render.vector(normal_);
         const Vec3 across = unit(right - edge_u_ * dot(right, edge_u_)), top = cross(across, edge_u_);

@@ -12,7 +12,7 @@ inline constexpr float min_solid_angle = 1e-3f;
 /// Lanes closer to a rectangle than the length of its diagonal. From farther away, sampling by area is about as good as
 /// by solid angle, at a third of the cost (docs/performance.md).
 template <class Light>
-Mask sees_rectangle_large(const Light& light, Vec3 p)
+Mask is_rectangle_close(const Light& light, Vec3 p)
 {
     const Vec3 to_center = light.center() - p;
     return dot(to_center, to_center) < light.radius() * light.radius();
@@ -28,11 +28,11 @@ template <class Light>
     const Float length_u = light.length_u(), length_v = light.length_v();
     const SphericalRectangle seen(corner, u, v, n, length_u, length_v);
     const SphericalRectangle::Point point = seen.sample(random);
-    const Mask by_angle = large & (seen.solid_angle >= Float(min_solid_angle));
-    const Float du = select(by_angle, point.x - seen.x0, random.x * length_u);
-    const Float dv = select(by_angle, point.y - seen.y0, random.y * length_v);
+    const Mask by_solid_angle = large & (seen.solid_angle >= Float(min_solid_angle));
+    const Float du = select(by_solid_angle, point.x - seen.x0, random.x * length_u);
+    const Float dv = select(by_solid_angle, point.y - seen.y0, random.y * length_v);
     FlatLightPoint s(fma(u, du, fma(v, dv, corner)), n, light.area());
-    s.inverse_pdf = select(by_angle, seen.solid_angle, s.inverse_pdf);
+    s.inverse_pdf = select(by_solid_angle, seen.solid_angle, s.inverse_pdf);
     return s;
 }
 
@@ -50,16 +50,16 @@ struct RectangleLight {
         const Vec3 corner = light.position() - p;
         // Points behind a one-sided light need no good sample.
         const Mask large =
-            active & sees_rectangle_large(light, p) & (light.has(LightRecord::two_sided) | (dot(corner, n) < Float(0)));
+            active & is_rectangle_close(light, p) & (light.has(LightRecord::two_sided) | (dot(corner, n) < Float(0)));
         if (any(large)) return detail::sample_large_rectangle(light, corner, random, large);
         const Vec3 to =
             fma(light.edge_u(), random.x * light.length_u(), fma(light.edge_v(), random.y * light.length_v(), corner));
         return detail::FlatLightPoint(to, n, light.area());
     }
     template <class Light>
-    static Mask by_angle(const Light& light, Vec3 p)
+    static Mask by_solid_angle(const Light& light, Vec3 p)
     {
-        return sees_rectangle_large(light, p);
+        return is_rectangle_close(light, p);
     }
     template <class Light>
     static Float pdf(const Light& light, Vec3 p, Float, Float by_area)

@@ -36,7 +36,7 @@ struct SphereLight {
                 Mask(false)};
     }
     template <class Light>
-    static Mask by_angle(const Light&, Vec3)
+    static Mask by_solid_angle(const Light&, Vec3)
     {
         return Mask(true);
     }

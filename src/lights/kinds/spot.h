@@ -22,12 +22,12 @@ struct SpotLight {
         // With length_u = 1 it is a smoothstep, x^2 (3 - 2 x).
         Float strength = s.strength * x * x * fma(light.length_u(), fma(x, Float(-2), Float(2)), Float(1));
         const Float outer_angle = light.radius();
-        const Mask by_angle = outer_angle > Float(0);
-        if (any(by_angle)) {
+        const Mask by_solid_angle = outer_angle > Float(0);
+        if (any(by_solid_angle)) {
             const Float sine = sqrt(max(chord2 * fma(chord2, Float(-0.25f), Float(1)), Float(0)));
             const Float angle = atan2(sine, fma(chord2, Float(-0.5f), Float(1)));
             const Float linear = clamp((outer_angle - angle) * light.area(), Float(0), Float(1));
-            strength = select(by_angle, s.strength * linear, strength);
+            strength = select(by_solid_angle, s.strength * linear, strength);
         }
         s.strength = strength;
         return s;

@@ -21,15 +21,15 @@ inline namespace FATHOM_LANES {
 /// Next event estimation: selects a light, then samples a point of it.
 class LightSampler {
 public:
-    /// leaves_environment: samples of the environment light leave its radiance to the caller, to be evaluated for
+    /// defer_environment: samples of the environment light leave its radiance to the caller, to be evaluated for
     /// unoccluded rays only; in interiors hardly any are.
-    LightSampler(const LaneScene& scene, LightSelection selection, bool leaves_environment)
+    LightSampler(const LaneScene& scene, LightSelection selection, bool defer_environment)
         : scene_(scene),
           tables_(scene.tables),
           surfaces_(scene),
           materials_(scene),
           selector_(scene.tables, selection),
-          leaves_environment_(leaves_environment)
+          leaves_environment_(defer_environment)
     {
         is_alone_ = tables_.lights.size() == 1 && tables_.environment.light == no_index &&
                     tables_.lights[0].material == no_index && !scene.moving_lights && !scene.curve_lights &&
@@ -131,8 +131,8 @@ private:
                 leaves_environment_ ? Spectrum(Float(1)) : environment_radiance(tables_, e, valid & environment);
             s.radiance = select(environment, radiance, s.radiance);
             s.is_delta = s.is_delta & !environment;
-            s.sees_environment = environment & Mask(leaves_environment_);
-            s.likely = select(s.sees_environment, e.likely, Float(1));
+            s.needs_environment_radiance = environment & Mask(leaves_environment_);
+            s.likely = select(s.needs_environment_radiance, e.likely, Float(1));
         }
         const Mask curve = curves(light, valid);
         Float along(0.f);
@@ -203,7 +203,7 @@ private:
         // Round primitives are opaque.
         const Mask flat = m & less(hit.primitive, UInt(tables_.first_sphere()));
         // The alpha of lights that no ray hits is 0 and does not dim them.
-        const Mask masked = flat & !light.has(LightRecord::unseen);
+        const Mask masked = flat & !light.has(LightRecord::not_hit_by_rays);
         const Float stopped = opacity(tables_, material, surface.at, masked);
         for (int c = 0; c < channels; ++c) factor.c[c] = select(m, t.c[c] * stopped, Float(1));
         return factor;

@@ -101,7 +101,7 @@ const BandTable& band_table()
 
 /// e^x for x <= 0 with relative error 1e-11: branch-free, so that loops vectorize, and bitwise equal on all machines,
 /// unlike std::exp.
-double decay(double x)
+double exp_negative(double x)
 {
     constexpr double magic = 0x1.8p52;  // adding it rounds to an integer, held in the lowest bits
     const double octaves = std::max(x, -700.0) * std::numbers::log2e, shifted = octaves + magic;
@@ -113,13 +113,14 @@ double decay(double x)
 }
 
 /// Transmittance per band.
-Spectrum transmittances(const Sky::Depths& depths)
+Spectrum transmittances(const Sky::OpticalDepths& depths)
 {
     const BandTable& t = band_table();
     Spectrum left;
     for (std::size_t i = 0; i < bands; ++i)
         // Haze scatters a part of the light that it removes; extinction counts all of it.
-        left[i] = decay(-(t.molecules[i] * depths.molecules + t.haze[i] * depths.haze + t.ozone[i] * depths.ozone));
+        left[i] =
+            exp_negative(-(t.molecules[i] * depths.molecules + t.haze[i] * depths.haze + t.ozone[i] * depths.ozone));
     return left;
 }
 
@@ -147,13 +148,13 @@ Densities densities_at(double height)
 }
 
 /// Distance in km along a ray to the top of the atmosphere.
-double way_to_space(double height, double cosine)
+double distance_to_space(double height, double cosine)
 {
     const double r = earth_radius + height, top = earth_radius + air_height;
     return -r * cosine + std::sqrt(std::max(0.0, r * r * (cosine * cosine - 1) + top * top));
 }
 
-double height_after(double height, double cosine, double way)
+double height_along_ray(double height, double cosine, double way)
 {
     const double r = earth_radius + height;
     return std::sqrt(r * r + way * way + 2 * r * way * cosine) - earth_radius;
@@ -207,18 +208,18 @@ void along(double way, int steps, F f)
 
 }  // namespace
 
-Sky::Depths Sky::depths_to_space(double height, double cosine)
+Sky::OpticalDepths Sky::depths_to_space(double height, double cosine)
 {
-    Depths sum;
-    along(way_to_space(height, cosine), 200, [&](double at, double length) {
+    OpticalDepths sum;
+    along(distance_to_space(height, cosine), 200, [&](double at, double length) {
         // Rays into the ground are clamped to ground level, so that all table entries are finite.
-        const Densities d = densities_at(std::max(0.0, height_after(height, cosine, at)));
+        const Densities d = densities_at(std::max(0.0, height_along_ray(height, cosine, at)));
         sum.add(d, length);
     });
     return sum;
 }
 
-double Sky::transmittance(const Depths& depths, double wavelength)
+double Sky::transmittance(const OpticalDepths& depths, double wavelength)
 {
     const Coefficients air = coefficients_at(wavelength);
     return std::exp(-(air.molecules * depths.molecules + air.haze * depths.haze + air.ozone * depths.ozone));
@@ -249,7 +250,7 @@ Sky::Sky(const Vec3d& to_sun) : to_sun_(normalize(to_sun))
     ground_ = color_of(sum * (ground_albedo / std::numbers::pi));
 }
 
-Sky::Depths Sky::depths_to_sun(double height, double cosine) const
+Sky::OpticalDepths Sky::depths_to_sun(double height, double cosine) const
 {
     const double x =
         std::clamp(std::sqrt(std::max(0.0, height) / air_height) * (table_heights - 1), 0.0, table_heights - 1.001);
@@ -257,11 +258,11 @@ Sky::Depths Sky::depths_to_sun(double height, double cosine) const
     const double y = std::clamp((t + 1) / 2 * (table_cosines - 1), 0.0, table_cosines - 1.001);
     const auto i = std::size_t(x), j = std::size_t(y);
     const double u = x - double(i), v = y - double(j);
-    const auto mix = [&](double Depths::* member) {
+    const auto mix = [&](double OpticalDepths::* member) {
         const auto at = [&](std::size_t a, std::size_t b) { return table_[a * table_cosines + b].*member; };
         return std::lerp(std::lerp(at(i, j), at(i, j + 1), v), std::lerp(at(i + 1, j), at(i + 1, j + 1), v), u);
     };
-    return {mix(&Depths::molecules), mix(&Depths::haze), mix(&Depths::ozone)};
+    return {mix(&OpticalDepths::molecules), mix(&OpticalDepths::haze), mix(&OpticalDepths::ozone)};
 }
 
 Color Sky::sun_irradiance(const Vec3d& to_sun)
@@ -278,14 +279,14 @@ void Sky::add_second_order(double height, const Vec3d& sun, double x, double y, 
     constexpr int steps = 20;
     const double r = earth_radius + height;
     const bool to_ground = intersects_ground(height, y);
-    const double way =
-        to_ground ? -r * y - std::sqrt(r * r * (y * y - 1) + earth_radius * earth_radius) : way_to_space(height, y);
+    const double way = to_ground ? -r * y - std::sqrt(r * r * (y * y - 1) + earth_radius * earth_radius)
+                                 : distance_to_space(height, y);
     const auto sun_cosine = [&](double at, double there) {
         return (r * sun.y + at * (x * sun.x + y * sun.y)) / (earth_radius + there);
     };
-    Depths seen;
+    OpticalDepths seen;
     along(way, steps, [&](double at, double length) {
-        const double there = std::max(0.0, height_after(height, y, at));
+        const double there = std::max(0.0, height_along_ray(height, y, at));
         const Densities here = densities_at(there);
         seen.add(here, length / 2);
         const double cosine = sun_cosine(at, there);
@@ -357,14 +358,14 @@ Color Sky::scattered(const Vec3d& d, Scattering times) const
     const double sun_elevation = std::asin(std::clamp(to_sun_.y, -1.0, 1.0));
     const BandTable& t = band_table();
     Spectrum light{};
-    Depths seen;
-    along(way_to_space(0, d.y), 40, [&](double at, double length) {
-        const double height = height_after(0, d.y, at);
+    OpticalDepths seen;
+    along(distance_to_space(0, d.y), 40, [&](double at, double length) {
+        const double height = height_along_ray(0, d.y, at);
         const Densities here = densities_at(height);
         seen.add(here, length / 2);
         const double sun_cosine = (earth_radius * to_sun_.y + at * cosine) / (earth_radius + height);
         if (!intersects_ground(height, sun_cosine)) {
-            Depths way = depths_to_sun(height, sun_cosine);
+            OpticalDepths way = depths_to_sun(height, sun_cosine);
             way.add(seen);
             const Spectrum left = transmittances(way);
             const double molecules = here.molecules * of_molecules * length,

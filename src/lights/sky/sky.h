@@ -27,10 +27,10 @@ public:
     static Color sun_irradiance(const Vec3d& to_sun);
 
     /// Optical depths of a ray through the atmosphere: multiplied by a band's coefficients they give its extinction.
-    struct Depths {
+    struct OpticalDepths {
         double molecules = 0, haze = 0, ozone = 0;
 
-        void add(const Depths& d) { molecules += d.molecules, haze += d.haze, ozone += d.ozone; }
+        void add(const OpticalDepths& d) { molecules += d.molecules, haze += d.haze, ozone += d.ozone; }
         /// Adds a segment of constant density.
         template <class Densities>
         void add(const Densities& here, double length)
@@ -40,9 +40,9 @@ public:
     };
     /// Optical depths from a height above the ground (km) to space, by the cosine of the zenith angle. Rays below the
     /// horizon pass through ground, which counts as air of ground density.
-    static Depths depths_to_space(double height, double cosine);
+    static OpticalDepths depths_to_space(double height, double cosine);
     /// Transmittance at a wavelength in nm.
-    static double transmittance(const Depths& depths, double wavelength);
+    static double transmittance(const OpticalDepths& depths, double wavelength);
 
 private:
     /// Scattering orders to include: only the first, or all.
@@ -61,10 +61,10 @@ private:
     };
     static MultipleAt multiple_at(double height, double cosine, double sun_elevation);
     /// Interpolates the table of depths_to_space.
-    Depths depths_to_sun(double height, double cosine) const;
+    OpticalDepths depths_to_sun(double height, double cosine) const;
 
     Vec3d to_sun_;
-    std::vector<Depths> table_;
+    std::vector<OpticalDepths> table_;
     /// Radiance of multiply scattered light by height, sun elevation and band, for an irradiance of 1 above the
     /// atmosphere.
     std::vector<double> multiple_;

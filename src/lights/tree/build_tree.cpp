@@ -34,7 +34,7 @@ struct Item {
     double cos_normals, cos_emission;
     double intensity;
     std::uint32_t light;
-    bool shines_back;
+    bool emits_back;
 };
 
 struct Box {
@@ -91,7 +91,7 @@ struct Sums {
 };
 
 /// Sets the bounding ball of a light's positions between the times `open` and `close`.
-void put_ball(Item& item, const LightRecord& l, double open, double close)
+void set_bounding_ball(Item& item, const LightRecord& l, double open, double close)
 {
     const Vec3d p = to_vector(l.position), u = to_vector(l.edge_u), v = to_vector(l.edge_v);
     const auto put = [&](const Vec3d& center, double radius) { item.center = center, item.radius = radius; };
@@ -123,12 +123,12 @@ void put_ball(Item& item, const LightRecord& l, double open, double close)
 }
 
 /// Sets the directions of emission, and the maximum intensity of a light of the given power.
-void put_emission(Item& item, const LightRecord& l, double power)
+void set_emission(Item& item, const LightRecord& l, double power)
 {
     item.axis = {};
     item.cos_normals = -1;  // emits in all directions
     item.cos_emission = 0;
-    item.shines_back = false;
+    item.emits_back = false;
     switch (LightRecordKind(l.kind)) {
         case LightRecordKind::sphere:
             item.intensity = power / (l.flags & LightRecord::two_sided ? 8 * pi : 4 * pi);
@@ -162,7 +162,7 @@ void put_emission(Item& item, const LightRecord& l, double power)
         default:
             item.axis = to_vector(l.normal);
             item.cos_normals = 1;
-            item.shines_back = (l.flags & LightRecord::two_sided) != 0;
+            item.emits_back = (l.flags & LightRecord::two_sided) != 0;
             item.intensity = power / (l.flags & LightRecord::two_sided ? 2 * pi : pi);
     }
     // Degenerate lights have no normal.
@@ -176,7 +176,7 @@ double cosine_of_sum(double a, double b)
 }
 
 /// Replaces a light's bounds by those of its motion.
-void put_extent(Item& item, const LightExtent& extent)
+void set_motion_bounds(Item& item, const LightExtent& extent)
 {
     item.center = extent.center;
     item.radius = extent.radius;
@@ -193,16 +193,16 @@ public:
                 const std::vector<LightExtent>& extents)
         : t_(t)
     {
-        items_.resize(t.placed_lights);
+        items_.resize(t.positioned_lights);
         double all = 0;
-        for (std::uint32_t i = 0; i < t.placed_lights; ++i) {
+        for (std::uint32_t i = 0; i < t.positioned_lights; ++i) {
             items_[i].light = i;
-            put_ball(items_[i], t.lights[i], open, close);
-            put_emission(items_[i], t.lights[i], powers[i]);
+            set_bounding_ball(items_[i], t.lights[i], open, close);
+            set_emission(items_[i], t.lights[i], powers[i]);
             all += items_[i].intensity;
         }
         for (Item& item : items_) item.intensity /= all;
-        for (const LightExtent& extent : extents) put_extent(items_[extent.light], extent);
+        for (const LightExtent& extent : extents) set_motion_bounds(items_[extent.light], extent);
     }
 
     void run()
@@ -272,7 +272,7 @@ private:
             for (std::uint32_t i = begin; i < end; ++i) parts.push_back({i, i + 1, 0});
             return parts;
         }
-        const std::uint32_t rest = put_strongest_first(begin, end);
+        const std::uint32_t rest = move_strongest_first(begin, end);
         for (std::uint32_t i = begin; i < rest; ++i) parts.push_back({i, i + 1, 0});
         parts.push_back(range(rest, end));
         while (parts.size() < LightNode::width) {
@@ -293,7 +293,7 @@ private:
 
     /// Moves lights with more than a child's mean intensity to the front, at most half of a node's children; they
     /// become direct children, so that selecting them takes no descent. Returns the start of the others.
-    std::uint32_t put_strongest_first(std::uint32_t begin, std::uint32_t end)
+    std::uint32_t move_strongest_first(std::uint32_t begin, std::uint32_t end)
     {
         constexpr std::uint32_t most = LightNode::width / 2;
         const auto first = items_.begin() + begin, last = items_.begin() + end;
@@ -371,7 +371,7 @@ private:
     static void put_bounds(LightNode& n, std::uint32_t slot, std::span<const Item> items)
     {
         put_ball_around(n, slot, items);
-        put_cone_around(n, slot, items);
+        set_normal_cone(n, slot, items);
         double intensity = 0;
         for (const Item& item : items) intensity += item.intensity;
         n.intensity[slot] = float(intensity);
@@ -388,17 +388,17 @@ private:
         n.radius[slot] = float(radius * (1 + radius_slack) + position_slack * length(center) + min_radius);
     }
 
-    static void put_cone_around(LightNode& n, std::uint32_t slot, std::span<const Item> items)
+    static void set_normal_cone(LightNode& n, std::uint32_t slot, std::span<const Item> items)
     {
         bool back = false;
         double cos_emission = 1;
         for (const Item& item : items) {
-            back |= item.shines_back;
+            back |= item.emits_back;
             cos_emission = std::min(cos_emission, item.cos_emission);
         }
         // Axes of two-sided lights may be flipped: to the side of the first item's axis.
         const auto turned = [&](const Item& item, const Vec3d& to) {
-            return item.shines_back && dot(item.axis, to) < 0 ? -item.axis : item.axis;
+            return item.emits_back && dot(item.axis, to) < 0 ? -item.axis : item.axis;
         };
         Vec3d sum;
         for (const Item& item : items) sum = sum + turned(item, items[0].axis) * item.intensity;

@@ -15,7 +15,7 @@ struct LightExtent {
     double cos_turned = -1;  ///< cosine of the largest angle from the axis; -1: the light may emit in any direction
 };
 
-/// Builds the light tree over the first t.placed_lights lights, and sets each light's tree_place.
+/// Builds the light tree over the first t.positioned_lights lights, and sets each light's tree_place.
 ///
 /// powers       of the lights, positive
 /// open, close  times between which spheres move

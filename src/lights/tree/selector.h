@@ -15,9 +15,9 @@ public:
           tree_(tables),
           count_(std::uint32_t(tables.lights.size())),
           is_uniform_(how == LightSelection::uniform),
-          has_tree_(how == LightSelection::tree && tables.placed_lights > 0),
+          has_tree_(how == LightSelection::tree && tables.positioned_lights > 0),
           uniform_pmf_(count_ > 0 ? 1 / float(count_) : 0),
-          tree_share_(has_tree_ ? tables.light_cdf[tables.placed_lights] : 0)
+          tree_share_(has_tree_ ? tables.light_cdf[tables.positioned_lights] : 0)
     {
     }
 
@@ -30,12 +30,12 @@ public:
     {
         if (!has_tree_) return select_anywhere(u);
         const Mask beyond = u >= Float(tree_share_);
-        if (none(m & !beyond)) return select_by_power(tables_.placed_lights, u);
+        if (none(m & !beyond)) return select_by_power(tables_.positioned_lights, u);
         const Float within = min(u * Float(1 / tree_share_), Float(1 - 0x1p-24f));
         Choice c = tree_.select(p, within, noise, m & !beyond);
         c.pmf = c.pmf * Float(tree_share_);
         if (none(m & beyond)) return c;
-        const Choice other = select_by_power(tables_.placed_lights, u);
+        const Choice other = select_by_power(tables_.positioned_lights, u);
         return {fathom::select(beyond, other.light, c.light), fathom::select(beyond, other.pmf, c.pmf)};
     }
 

@@ -18,7 +18,7 @@ inline namespace FATHOM_LANES {
 namespace detail {
 
 /// Largest weight: a node's weights sum to less than 2^20, so that products with numbers in [0, 1) stay exact enough.
-inline constexpr float largest_weight = 65535;
+inline constexpr float max_weight = 65535;
 
 /// Bounds of a light or a node, one per lane of F. Lanes are either the children of one node (native lanes) or points
 /// (Float).
@@ -86,15 +86,15 @@ template <class M, class F>
 template <class U, class F, class M>
 [[gnu::always_inline]] inline U light_weight(const Importance<F, M>& i, F scale)
 {
-    const U w = to_uint(min(i.value * scale, F(largest_weight)));
+    const U w = to_uint(min(i.value * scale, F(max_weight)));
     return select(i.reaches, select(less(w, U(1u)), U(1u), w), U(0u));
 }
 
-/// Scale that maps the largest importance to largest_weight.
+/// Scale that maps the largest importance to max_weight.
 template <class F>
 [[gnu::always_inline]] inline F weight_scale(F largest)
 {
-    return F(largest_weight) / max(largest, F(1e-30f));
+    return F(max_weight) / max(largest, F(1e-30f));
 }
 
 /// Prefix sums of a node's weights for one point.
@@ -107,7 +107,7 @@ public:
     {
         std::uint32_t before = sums_[LightNode::width - 1] = 0;
         for (int i = 0; i < parts; ++i) {
-            native::store(up_to(i), native::running_sums(weights[i]) + native::UInt(before));
+            native::store(up_to(i), native::prefix_sums(weights[i]) + native::UInt(before));
             before = *(up_to(i + 1) - 1);
         }
     }

@@ -31,7 +31,7 @@ public:
           metallic_(select(m.thin, Float(0), m.metallic)),
           eta_(passes ? select(m.entering | m.thin, m.ior, Float(1) / m.ior) : m.ior),
           thin_(m.thin),
-          within_(passes ? !m.entering & !m.thin : Mask(false)),
+          inside_(passes ? !m.entering & !m.thin : Mask(false)),
           coat_(m.disney.coat_gloss),
           axes_(select(m.disney.anisotropy > Float(0), m.disney.tangent, Vec3(Float(0), Float(0), Float(0))))
     {
@@ -43,12 +43,12 @@ public:
         if (passes && any(thin_)) thin_facets_ = facets(fma(m.ior, Float(0.65f), Float(-0.35f)) * roughness_, aspect);
         const Float opaque = (Float(1) - metallic_) * (Float(1) - d_.transmission);
         refracted_ = (Float(1) - metallic_) * d_.transmission;
-        diffuse_ = select(within_, Float(0), opaque * select(thin_, Float(1) - d_.diffuse_transmission, Float(1)));
-        beyond_ = select(thin_, opaque * d_.diffuse_transmission, Float(0));
+        diffuse_ = select(inside_, Float(0), opaque * select(thin_, Float(1) - d_.diffuse_transmission, Float(1)));
+        diffuse_transmission_ = select(thin_, opaque * d_.diffuse_transmission, Float(0));
         sheen_ = select(diffuse_ > Float(0), d_.sheen * select(thin_, diffuse_, Float(1) - metallic_), Float(0));
         // Thin surfaces reflect specularly only as much as they refract.
-        reflected_ = select(within_ | thin_, refracted_, Float(1));
-        coated_ = select(within_ | thin_, Float(0), d_.coat);
+        reflected_ = select(inside_ | thin_, refracted_, Float(1));
+        coated_ = select(inside_ | thin_, Float(0), d_.coat);
         const Float luminance =
             fma(color_.c[0], Float(0.2126f), fma(color_.c[1], Float(0.7152f), color_.c[2] * Float(0.0722f)));
         for (int i = 0; i < channels; ++i) {
@@ -116,8 +116,8 @@ private:
         const Float dielectric = fresnel_dielectric(clamp(cosine, Float(0), Float(1)), eta_, cos_t);
         const Float w = schlick_weight(select(eta_ > Float(1), cosine, cos_t));
         const Float root = (eta_ - Float(1)) / (eta_ + Float(1)), f0 = root * root;
-        const Float tinted = select(within_, Float(0), (Float(1) - metallic_) * d_.specular_tint);
-        const Float metal = select(within_, Float(0), metallic_), plain = Float(1) - metal - tinted;
+        const Float tinted = select(inside_, Float(0), (Float(1) - metallic_) * d_.specular_tint);
+        const Float metal = select(inside_, Float(0), metallic_), plain = Float(1) - metal - tinted;
         for (int i = 0; i < channels; ++i) {
             const auto schlick = [&](Float normal) { return fma(w, Float(1) - normal, normal); };
             const Float mixed = fma(metal, schlick(color_.c[i]), tinted * schlick(tint_.c[i] * f0));
@@ -137,7 +137,7 @@ private:
         c.refracted = c.beyond = Float(0);
         if constexpr (passes) {
             c.refracted = max_component(through_) * max(Float(1) - dielectric, Float(0.05f));
-            c.beyond = beyond_ * body;
+            c.beyond = diffuse_transmission_ * body;
         }
         const Float others = c.diffuse + c.coat + c.refracted + c.beyond;
         c.reflected = select(reflected_ > Float(0), max(max_component(reflected), Float(0.1f) * others), Float(0));
@@ -234,7 +234,7 @@ private:
         const Float cosine = max(-wi.z, Float(0)) * Float(inv_pi);
         BsdfEval r;
         for (int k = 0; k < channels; ++k)
-            r.f_cos.c[k] = fma(through_.c[k], straight, color_.c[k] * (beyond_ * cosine));
+            r.f_cos.c[k] = fma(through_.c[k], straight, color_.c[k] * (diffuse_transmission_ * cosine));
         r.pdf = fma(c.refracted, select(valid, normals * sampled, Float(0)), c.beyond * cosine);
         return r;
     }
@@ -249,12 +249,12 @@ private:
     DisneyPoint d_;
     Spectrum color_, tint_, through_;  ///< tint: base color of luminance 1; through: color of transmitted light
     Float roughness_, metallic_, eta_;
-    Mask thin_, within_, mirrors_;
+    Mask thin_, inside_, mirrors_;
     Gtr1Coat coat_;
     FacetAxes axes_;
     FacetsOf facets_, thin_facets_;
     /// Strengths of the lobes: specular reflection, refraction, diffuse reflection, diffuse transmission, sheen, coat.
-    Float reflected_, refracted_, diffuse_, beyond_, sheen_, coated_;
+    Float reflected_, refracted_, diffuse_, diffuse_transmission_, sheen_, coated_;
 };
 
 }  // namespace FATHOM_LANES

@@ -59,13 +59,14 @@ public:
             eta_ = select(m.entering | m.thin, ior, Float(1) / ior);
             refracts_ = l_.transmission > Float(0);
             solid_ = refracts_ & !m.thin;
-            within_ = solid_ & !m.entering;
+            inside_ = solid_ & !m.entering;
             if (l_.has(LayersRecord::with_subsurface)) l_.subsurface = select(m.entering, l_.subsurface, Float(0));
             // Transmission weights apply to light that enters. Light inside meets a boundary that transmits fully.
-            l_.transmission = select(within_, Float(1), l_.transmission);
-            reflected_share_ = select(l_.diffuse_transmission_added, Float(1), Float(1) - l_.diffuse_transmission);
-            below_share_ = (Float(1) - l_.transmission) * l_.subsurface;
-            diffuse_share_ = (Float(1) - l_.transmission) * (Float(1) - l_.subsurface);
+            l_.transmission = select(inside_, Float(1), l_.transmission);
+            diffuse_reflection_weight_ =
+                select(l_.diffuse_transmission_added, Float(1), Float(1) - l_.diffuse_transmission);
+            subsurface_weight_ = (Float(1) - l_.transmission) * l_.subsurface;
+            diffuse_weight_ = (Float(1) - l_.transmission) * (Float(1) - l_.subsurface);
             for (int i = 0; i < channels; ++i) {
                 const Float c = l_.transmission_color.c[i];
                 tint_.c[i] = select(solid_, sqrt(max(c, Float(0))), c);
@@ -79,11 +80,11 @@ public:
     }
     BsdfEval eval(Vec3 wo, Vec3 wi, Mask without_mirrors = Mask(false)) const
     {
-        return eval(look(wo), wo, wi, without_mirrors);
+        return eval(make_view(wo), wo, wi, without_mirrors);
     }
     BsdfSample sample(Vec3 wo, Sample2 u, Float u1) const
     {
-        const View v = look(wo);
+        const View v = make_view(wo);
         Vec3 wi = sample_cosine_hemisphere(u);
         Float left = u1;
         const auto chosen = [&](Float share) {
@@ -122,8 +123,8 @@ public:
                 total = refracted & !(cos_t > Float(0));
                 goes_beyond = through;
             }
-            const Mask diffusely = chosen(v.p_diffuse_beyond);
-            if (l_.has(LayersRecord::with_subsurface)) below = chosen(v.p_below);
+            const Mask diffusely = chosen(v.p_diffuse_transmission);
+            if (l_.has(LayersRecord::with_subsurface)) below = chosen(v.p_subsurface);
             wi.z = select(diffusely | below, -wi.z, wi.z);
             goes_beyond |= diffusely;
         }
@@ -135,7 +136,8 @@ public:
         BsdfSample s{wi, e.f_cos * inverse, e.pdf, Mask(false), passes ? select(refracted, eta_, Float(1)) : Float(1)};
         if constexpr (passes) {
             if (any(below)) {
-                s.weight = select(below, v.coat_left * (entering(v) / max(v.p_below, Float(1e-30f))), s.weight);
+                s.weight =
+                    select(below, v.coat_transmittance * (entering(v) / max(v.p_subsurface, Float(1e-30f))), s.weight);
                 s.is_delta = s.enters_subsurface = below;
             }
         }
@@ -145,22 +147,22 @@ public:
 private:
     /// Quantities that depend on wo only.
     struct View {
-        Float sheen_left;    ///< transmittance of the sheen to everything below it
-        Spectrum coat_left;  ///< transmittance of the coat, both ways
+        Float sheen_transmittance;    ///< transmittance of the sheen to everything below it
+        Spectrum coat_transmittance;  ///< transmittance of the coat, both ways
         Float more;  ///< compensation of opaque facets: reflectance f at normal incidence is scaled by 1 + f * more
         Float refracting;  ///< fraction of the boundary's light that is refracted or reflected rather than scattered
                            ///< below it
-        Float refracted_gain;  ///< compensation of a refracting boundary, on both sides
-        Float boundary_left;   ///< transmittance of the dielectric's boundary to the diffuse lobes
+        Float refracted_gain;          ///< compensation of a refracting boundary, on both sides
+        Float boundary_transmittance;  ///< transmittance of the dielectric's boundary to the diffuse lobes
         /// Selection probabilities of the lobes; diffuse reflection takes the remainder. p_specular and p_refracted are
         /// used as a sum: the sampled facet decides between them, see reflected_chance.
-        Float p_specular, p_coat, p_sheen, p_refracted, p_diffuse_beyond, p_below, p_diffuse;
+        Float p_specular, p_coat, p_sheen, p_refracted, p_diffuse_transmission, p_subsurface, p_diffuse;
     };
 
     /// Light that enters the subsurface medium, without the coat's color.
     Float entering(const View& v) const
     {
-        return (Float(1) - metallic_) * v.sheen_left * v.boundary_left * below_share_;
+        return (Float(1) - metallic_) * v.sheen_transmittance * v.boundary_transmittance * subsurface_weight_;
     }
 
     /// Rotates between the shading frame (way > 0: from it) and the frame of the facets.
@@ -188,7 +190,7 @@ private:
     {
         const Float w = grazing(cosine), schlick = schlick_weight(cosine);
         // The artistic specular weight applies to the outside only; inside, total internal reflection stays complete.
-        const Float most = passes ? select(within_, Float(1), l_.specular) : l_.specular;
+        const Float most = passes ? select(inside_, Float(1), l_.specular) : l_.specular;
         // Schlick's reflectance with a color at 82 degrees: Hoffman 2019, "Fresnel Equations Considered Harmful". The
         // cosine there is 1/7, where the polynomial cos (1 - cos)^6 equals (1/7) (6/7)^6.
         constexpr float c82 = 1.0f / 7,
@@ -237,7 +239,7 @@ private:
         return reflected_chance(dielectric, metal);
     }
     /// Albedos and selection probabilities of all lobes for wo.
-    View look(Vec3 wo) const
+    View make_view(Vec3 wo) const
     {
         View v;
         const Float e = ggx_albedo(wo.z, mean_roughness_), w = albedo_lookup(ggx_schlick_table, wo.z, mean_roughness_);
@@ -252,25 +254,25 @@ private:
         }
         Spectrum dielectric, metal;
         reflectance(wo.z, dielectric, metal);
-        v.boundary_left = Float(1) - clamp(boundary_albedo(v, wo.z, e, w, dielectric), Float(0), Float(1));
+        v.boundary_transmittance = Float(1) - clamp(boundary_albedo(v, wo.z, e, w, dielectric), Float(0), Float(1));
 
         Float coat_albedo(0), sheen_albedo(0);
-        v.sheen_left = Float(1);
-        v.coat_left = Spectrum(Float(1));
+        v.sheen_transmittance = Float(1);
+        v.coat_transmittance = Spectrum(Float(1));
         if (l_.has(LayersRecord::with_coat)) {
             coat_albedo = outer(l_.coat) * CoatLobe(l_).albedo(wo);
-            v.coat_left = under_coat(coat_albedo);
+            v.coat_transmittance = under_coat(coat_albedo);
         }
         if (l_.has(LayersRecord::with_sheen)) {
             sheen_albedo = outer(max_component(l_.sheen_color)) * SheenLobe(l_.sheen_roughness).albedo(wo);
-            v.sheen_left = Float(1) - sheen_albedo;
+            v.sheen_transmittance = Float(1) - sheen_albedo;
         }
         choose(v, coat_albedo, sheen_albedo, max_component(dielectric), max_component(metal));
         if constexpr (passes) {
             if (l_.has(LayersRecord::with_subsurface)) {
                 const auto only_out = [&](Float& p, float out) { p = select(l_.in_subsurface, Float(out), p); };
                 only_out(v.p_specular, 0), only_out(v.p_coat, 0), only_out(v.p_sheen, 0), only_out(v.p_refracted, 0);
-                only_out(v.p_below, 0), only_out(v.p_diffuse, 0), only_out(v.p_diffuse_beyond, 1);
+                only_out(v.p_subsurface, 0), only_out(v.p_diffuse, 0), only_out(v.p_diffuse_transmission, 1);
             }
         }
         return v;
@@ -301,26 +303,28 @@ private:
     /// is narrow, and what it reflects may be bright.
     void choose(View& v, Float coat, Float sheen, Float dielectric, Float metal) const
     {
-        const Float base = v.sheen_left * max_component(v.coat_left), body = base * (Float(1) - metallic_);
+        const Float base = v.sheen_transmittance * max_component(v.coat_transmittance),
+                    body = base * (Float(1) - metallic_);
         Float specular = base * fma(metallic_, metal - dielectric, dielectric);
-        Float diffuse = body * v.boundary_left * max_component(color_), beyond(0), refracted(0), below(0);
+        Float diffuse = body * v.boundary_transmittance * max_component(color_), beyond(0), refracted(0), below(0);
         if constexpr (passes) {
-            diffuse = diffuse * diffuse_share_;
-            beyond = body * v.boundary_left * diffuse_share_ * l_.diffuse_transmission *
+            diffuse = diffuse * diffuse_weight_;
+            beyond = body * v.boundary_transmittance * diffuse_weight_ * l_.diffuse_transmission *
                      max_component(l_.diffuse_transmission_color);
-            diffuse = diffuse * reflected_share_;
+            diffuse = diffuse * diffuse_reflection_weight_;
             refracted = body * l_.transmission * max_component(tint_) * max(Float(1) - dielectric, Float(0.05f));
-            below = body * v.boundary_left * below_share_;
+            below = body * v.boundary_transmittance * subsurface_weight_;
         }
-        coat = v.sheen_left * coat;
+        coat = v.sheen_transmittance * coat;
         const Float others = diffuse + beyond + refracted + coat + sheen + below;
         specular = select(specular > Float(0), max(specular, Float(0.1f) * others), Float(0));
         const Float total = specular + others, scale = Float(1) / max(total, Float(1e-20f));
         v.p_specular = select(total > Float(0), specular * scale, Float(0));
         v.p_coat = coat * scale, v.p_sheen = sheen * scale, v.p_refracted = refracted * scale;
-        v.p_diffuse_beyond = beyond * scale, v.p_below = below * scale;
+        v.p_diffuse_transmission = beyond * scale, v.p_subsurface = below * scale;
         v.p_diffuse = max(
-            Float(1) - v.p_specular - v.p_coat - v.p_sheen - v.p_refracted - v.p_diffuse_beyond - v.p_below, Float(0));
+            Float(1) - v.p_specular - v.p_coat - v.p_sheen - v.p_refracted - v.p_diffuse_transmission - v.p_subsurface,
+            Float(0));
     }
     /// Transmittance of the coat, both ways, per channel. Interreflection between base and coat darkens the base:
     /// OpenPBR's coat darkening. A diffuse base loses more, since much of its light meets the coat at angles of total
@@ -341,10 +345,10 @@ private:
     /// Transmittance of the sheen for light from wi to wo.
     Float under_sheen(const View& v, const Vec3& wi) const
     {
-        if (!l_.has(LayersRecord::sheen_reciprocal)) return v.sheen_left;
+        if (!l_.has(LayersRecord::sheen_reciprocal)) return v.sheen_transmittance;
         const Float albedo = SheenLobe(l_.sheen_roughness).albedo({wi.x, wi.y, abs(wi.z)});
         const Float left = Float(1) - outer(max_component(l_.sheen_color)) * albedo;
-        return select(l_.sheen_reciprocal, min(v.sheen_left, left), v.sheen_left);
+        return select(l_.sheen_reciprocal, min(v.sheen_transmittance, left), v.sheen_transmittance);
     }
     /// Fraction of the surface with a thin film. Films below 30 nm fade out, because the Schlick terms of
     /// thin_film_reflectance don't converge to the bare base.
@@ -354,7 +358,7 @@ private:
         return outer(l_.thin_film * t * t * fma(t, Float(-2), Float(3)));
     }
     /// Sheen, film and coat exist on the outside of solids only.
-    Float outer(Float strength) const { return passes ? select(within_, Float(0), strength) : strength; }
+    Float outer(Float strength) const { return passes ? select(inside_, Float(0), strength) : strength; }
 
     BsdfEval eval(const View& v, Vec3 wo, Vec3 wi, Mask without_mirrors) const
     {
@@ -395,15 +399,15 @@ private:
             body = DiffuseBsdf(rough).eval(wo, wi).f_cos * select(cosine > Float(0), Float(1) / cosine, Float(0));
             body = select(l_.diffuse_roughness > Float(0), body, color_);
         }
-        const Float sheen_left = under_sheen(v, wi);
-        Float share = v.boundary_left;
-        if constexpr (passes) share = share * diffuse_share_ * reflected_share_;
+        const Float sheen_transmittance = under_sheen(v, wi);
+        Float share = v.boundary_transmittance;
+        if constexpr (passes) share = share * diffuse_weight_ * diffuse_reflection_weight_;
         const Float lambert = share * cosine;
         BsdfEval r;
         for (int k = 0; k < channels; ++k) {
             const Float white = fma(body.c[k], lambert, dielectric.c[k] * boundary_gain(v, f0_.c[k]) * specular);
             const Float shiny = metal.c[k] * fma(color_.c[k], v.more, Float(1)) * specular;
-            r.f_cos.c[k] = fma(metallic_, shiny - white, white) * v.coat_left.c[k] * sheen_left;
+            r.f_cos.c[k] = fma(metallic_, shiny - white, white) * v.coat_transmittance.c[k] * sheen_transmittance;
         }
         Float p_specular = v.p_specular;
         if constexpr (passes) p_specular = (p_specular + v.p_refracted) * reflected_chance(dielectric, metal);
@@ -411,7 +415,7 @@ private:
         if (l_.has(LayersRecord::with_coat)) {
             Float f_cos, pdf;
             CoatLobe(l_).eval(wo, wi, f_cos, pdf);
-            f_cos = f_cos * outer(l_.coat) * sheen_left;
+            f_cos = f_cos * outer(l_.coat) * sheen_transmittance;
             f_cos = select(without_mirrors & is_mirror(l_.coat_roughness), Float(0), f_cos);
             r.f_cos = r.f_cos + Spectrum(f_cos);
             r.pdf = fma(v.p_coat, pdf, r.pdf);
@@ -444,15 +448,16 @@ private:
                                ggx_.value(h, normals) / wo.z * ggx_.g2(o, i) * gain * l_.transmission, Float(0));
         const Float pdf = select(valid, d * ggx_.g1(o) * select(thin_, Float(0.25f), jacobian), Float(0));
         const Float cosine = max(-wi.z, Float(0)) * Float(inv_pi);
-        const Float diffuse = v.boundary_left * diffuse_share_ * l_.diffuse_transmission * cosine;
+        const Float diffuse = v.boundary_transmittance * diffuse_weight_ * l_.diffuse_transmission * cosine;
         const Float body = (Float(1) - metallic_) * under_sheen(v, wi);
         BsdfEval r;
         for (int k = 0; k < channels; ++k) {
             const Float straight = (Float(1) - dielectric.c[k]) * tint_.c[k] * f;
-            r.f_cos.c[k] = fma(l_.diffuse_transmission_color.c[k], diffuse, straight) * body * v.coat_left.c[k];
+            r.f_cos.c[k] =
+                fma(l_.diffuse_transmission_color.c[k], diffuse, straight) * body * v.coat_transmittance.c[k];
         }
         const Float p_refracted = (v.p_specular + v.p_refracted) * (Float(1) - reflected_chance(dielectric, metal));
-        r.pdf = fma(p_refracted, pdf, v.p_diffuse_beyond * cosine);
+        r.pdf = fma(p_refracted, pdf, v.p_diffuse_transmission * cosine);
         return r;
     }
 
@@ -466,8 +471,8 @@ private:
     Mask mirrors_;
     // Only for closures that transmit:
     Spectrum tint_;
-    Float eta_{1}, diffuse_share_{1}, reflected_share_{1}, below_share_{0};
-    Mask refracts_{false}, solid_{false}, within_{false};
+    Float eta_{1}, diffuse_weight_{1}, diffuse_reflection_weight_{1}, subsurface_weight_{0};
+    Mask refracts_{false}, solid_{false}, inside_{false};
 };
 
 }  // namespace FATHOM_LANES

@@ -66,7 +66,7 @@ public:
         const Float boundary =
             select(without_mirrors & mirrors_, Float(0), f * ggx_.value(h, d) * ggx_.g2(wo, wi) * scale);
         const Float passes_out = passes(wo.z), cosine = wi.z * Float(inv_pi);
-        const Float body = passes_out * passes(wi.z) * absorbed_less(wo.z, wi.z) * cosine;
+        const Float body = passes_out * passes(wi.z) * layer_transmittance(wo.z, wi.z) * cosine;
         BsdfEval r;
         for (int i = 0; i < channels; ++i)
             r.f_cos.c[i] = select(valid, fma(body_.c[i], body, tint_.c[i] * boundary), Float(0));
@@ -120,7 +120,7 @@ private:
         return fma(-f, share, select(facets_ == UInt(compensated), Float(1), share));
     }
     /// Transmittance of the absorbing layer on the way in and out.
-    Float absorbed_less(Float cosine_in, Float cosine_out) const
+    Float layer_transmittance(Float cosine_in, Float cosine_out) const
     {
         if (none(thickness_ > Float(0))) return Float(1);
         const Float inverse = Float(1) / (ior_ * ior_);

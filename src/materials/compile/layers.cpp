@@ -7,7 +7,7 @@ namespace fathom {
 
 namespace {
 
-bool is_above_0(const FloatInput& input)
+bool is_positive(const FloatInput& input)
 {
     return input.value > 0;
 }
@@ -15,7 +15,7 @@ float max_of(const Color& c)
 {
     return std::max({c.r, c.g, c.b});
 }
-bool is_above_0(const ColorInput& input)
+bool is_positive(const ColorInput& input)
 {
     return max_of(input.value) > 0;
 }
@@ -32,19 +32,19 @@ std::uint32_t features_of(const Material& m)
 {
     std::uint32_t features = 0;
     const auto add = [&](bool has, LayersRecord::Features feature) { features |= has ? std::uint32_t(feature) : 0u; };
-    const bool is_coated = is_above_0(m.coat), transmits = is_above_0(m.transmission);
-    add(is_above_0(m.sheen_color), LayersRecord::with_sheen);
-    add(is_above_0(m.sheen_color) && m.sheen_reciprocal, LayersRecord::sheen_reciprocal);
+    const bool is_coated = is_positive(m.coat), transmits = is_positive(m.transmission);
+    add(is_positive(m.sheen_color), LayersRecord::with_sheen);
+    add(is_positive(m.sheen_color) && m.sheen_reciprocal, LayersRecord::sheen_reciprocal);
     add(is_coated, LayersRecord::with_coat);
-    add(is_above_0(m.thin_film) && is_above_0(m.thin_film_thickness), LayersRecord::with_thin_film);
+    add(is_positive(m.thin_film) && is_positive(m.thin_film_thickness), LayersRecord::with_thin_film);
     add(transmits, LayersRecord::with_transmission);
-    add(is_above_0(m.diffuse_transmission), LayersRecord::with_diffuse_transmission);
-    add(is_above_0(m.diffuse_transmission) && m.diffuse_transmission_added, LayersRecord::diffuse_transmission_added);
-    add(is_above_0(m.subsurface) && !m.thin, LayersRecord::with_subsurface);
-    add(is_above_0(m.diffuse_roughness), LayersRecord::rough_diffuse);
-    add(is_above_0(m.anisotropy) || m.two_roughnesses, LayersRecord::anisotropic);
+    add(is_positive(m.diffuse_transmission), LayersRecord::with_diffuse_transmission);
+    add(is_positive(m.diffuse_transmission) && m.diffuse_transmission_added, LayersRecord::diffuse_transmission_added);
+    add(is_positive(m.subsurface) && !m.thin, LayersRecord::with_subsurface);
+    add(is_positive(m.diffuse_roughness), LayersRecord::rough_diffuse);
+    add(is_positive(m.anisotropy) || m.two_roughnesses, LayersRecord::anisotropic);
     add(m.two_roughnesses, LayersRecord::two_roughnesses);
-    add(is_above_0(m.metallic) && max_of(m.conductor_k) > 0, LayersRecord::with_conductor);
+    add(is_positive(m.metallic) && max_of(m.conductor_k) > 0, LayersRecord::with_conductor);
     add(m.energy_compensation, LayersRecord::energy_compensation);
     add(is_coated && m.coat_normal_texture >= 0, LayersRecord::coat_normal_mapped);
     add(transmits && m.dispersion > 0, LayersRecord::disperses);
@@ -91,7 +91,7 @@ bool is_textured(const auto&... inputs)
 
 }  // namespace
 
-double share_lost_within(double ior, double optical_thickness)
+double internal_absorption(double ior, double optical_thickness)
 {
     if (!(optical_thickness > 0)) return 0;
     constexpr int steps = 2048;
@@ -110,7 +110,7 @@ ClosureKind closure_of_layers(const Material& m)
     const std::uint32_t features = features_of(m);
     const bool is_plain =
         (features & ~plain) == 0 && is_one(m.specular) && is_white(m.specular_color) && is_white(m.edge_color);
-    const bool is_metal = is_above_0(m.metallic);
+    const bool is_metal = is_positive(m.metallic);
     if (is_plain && is_one(m.transmission) && !is_metal) return ClosureKind::glass;
     if (features &
         (LayersRecord::with_transmission | LayersRecord::with_diffuse_transmission | LayersRecord::with_subsurface))
@@ -153,7 +153,7 @@ LayersRecord compile_layers(const Material& m, double render_scale)
 
 ClosureKind closure_of_disney(const Material& m)
 {
-    const bool passes = is_above_0(m.transmission) || (m.thin && is_above_0(m.diffuse_transmission));
+    const bool passes = is_positive(m.transmission) || (m.thin && is_positive(m.diffuse_transmission));
     return passes ? ClosureKind::disney_transmitting : ClosureKind::disney;
 }
 
@@ -164,7 +164,7 @@ DisneyRecord compile_disney(const Material& m)
     t.sheen = number(m.sheen), t.sheen_tint = number(m.sheen_tint);
     t.coat = number(m.coat), t.coat_gloss = number(m.coat_gloss);
     t.transmission = number(m.transmission), t.diffuse_transmission = number(m.diffuse_transmission);
-    if (is_above_0(m.anisotropy)) t.features |= DisneyRecord::anisotropic;
+    if (is_positive(m.anisotropy)) t.features |= DisneyRecord::anisotropic;
     if (is_textured(t.anisotropy, t.flatness, t.specular_tint, t.sheen, t.sheen_tint, t.coat, t.coat_gloss,
                     t.transmission, t.diffuse_transmission))
         t.features |= DisneyRecord::textured;

@@ -26,6 +26,6 @@ DisneyRecord compile_disney(const Material& m);
 
 /// Fraction of the light that a smooth boundary of index ior reflects internally which a gray layer absorbs on the way
 /// up and down. The light below the layer is diffuse.
-double share_lost_within(double ior, double optical_thickness);
+double internal_absorption(double ior, double optical_thickness);
 
 }  // namespace fathom

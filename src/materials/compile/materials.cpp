@@ -128,7 +128,7 @@ void compile_hair(const Material& m, MaterialRecord& t)
     set_number(m.beta_n, t.metallic, t.metallic_texture, t.metallic_channel);
     t.fuzz = float(m.scale_tilt);
     t.ior = m.hair_ior;
-    t.flags |= MaterialRecord::wants_tangent;
+    t.flags |= MaterialRecord::needs_tangent;
     Color absorbed = m.absorption.value;
     int texture = m.absorption.texture;
     const auto is_there = [&] { return absorbed.r > 0 || absorbed.g > 0 || absorbed.b > 0; };
@@ -150,7 +150,7 @@ void compile_measured(const Compiler& c, const Material& m, MaterialRecord& t)
     const MeasuredBrdf& brdf = c.scene.measured[std::size_t(m.measured)];
     t.measured = std::uint32_t(m.measured);
     t.base_color = spectrum(reflectance_of(brdf));  // shown in albedo layers
-    if (!brdf.is_isotropic()) t.flags |= MaterialRecord::wants_tangent;
+    if (!brdf.is_isotropic()) t.flags |= MaterialRecord::needs_tangent;
 }
 
 /// Adds the values of all measured surfaces to the tables.
@@ -187,7 +187,7 @@ void set_tint(const ColorInput& color, MaterialRecord& t)
 {
     if (color.texture < 0 && color.value == Color{1, 1, 1}) return;
     t.flags |= MaterialRecord::tinted;
-    if (color.texture >= 0) t.flags |= MaterialRecord::wants_uv;
+    if (color.texture >= 0) t.flags |= MaterialRecord::needs_uv;
     t.specular_tint = spectrum(color.value);
     t.specular_tint_texture = texture_id(color.texture);
 }
@@ -228,7 +228,7 @@ MaterialRecord compile_material(Compiler& c, const Material& m)
     if (m.kind == MaterialKind::measured) compile_measured(c, m, t);
     if (m.kind == MaterialKind::plastic) {
         t.fuzz = m.optical_thickness;
-        t.metallic = float(share_lost_within(std::max(m.ior, 1.001f), m.optical_thickness));
+        t.metallic = float(internal_absorption(std::max(m.ior, 1.001f), m.optical_thickness));
         if (m.inner_reflectance >= 0) t.metallic = -std::max(m.inner_reflectance, 1e-6f);
     }
     t.normal_texture = texture_id(m.normal_texture);
@@ -247,9 +247,9 @@ MaterialRecord compile_material(Compiler& c, const Material& m)
         if (m.kind == MaterialKind::principled && m.subsurface.value > 0) t.subsurface_medium = subsurface_medium(c, m);
         const bool only_subsurface =
             t.subsurface_medium != 0 && !(m.transmission.value > 0) && !(m.diffuse_transmission.value > 0);
-        if (is_open_boundary(t)) t.flags |= MaterialRecord::open_boundary;
-        const bool is_open = (t.flags & (MaterialRecord::open_boundary | MaterialRecord::thin)) != 0;
-        t.medium = only_subsurface ? t.subsurface_medium : volume_medium(c, m, is_open);
+        if (is_open_boundary(t)) t.flags |= MaterialRecord::index_matched_boundary;
+        const bool is_index_matched = (t.flags & (MaterialRecord::index_matched_boundary | MaterialRecord::thin)) != 0;
+        t.medium = only_subsurface ? t.subsurface_medium : volume_medium(c, m, is_index_matched);
     }
     if (m.single_sided && !is_solid(m, t.closure)) t.flags |= MaterialRecord::single_sided;
     if (m.hidden_from_camera) t.flags |= MaterialRecord::hidden_from_camera;
@@ -263,8 +263,8 @@ MaterialRecord compile_material(Compiler& c, const Material& m)
     if (t.base_texture != no_index || t.roughness_texture != no_index || t.metallic_texture != no_index ||
         m.use_vertex_color)
         t.flags |= MaterialRecord::textured;
-    if (t.emission_texture != no_index || t.closure == ClosureKind::hair) t.flags |= MaterialRecord::wants_uv;
-    if (t.normal_texture != no_index) t.flags |= MaterialRecord::normal_mapped | MaterialRecord::wants_tangent;
+    if (t.emission_texture != no_index || t.closure == ClosureKind::hair) t.flags |= MaterialRecord::needs_uv;
+    if (t.normal_texture != no_index) t.flags |= MaterialRecord::normal_mapped | MaterialRecord::needs_tangent;
     if (std::max({t.emission[0], t.emission[1], t.emission[2]}) > 0) t.flags |= MaterialRecord::emits;
     if (m.emission_two_sided || m.kind == MaterialKind::unlit) t.flags |= MaterialRecord::two_sided_emission;
     if (t.closure == ClosureKind::layered || t.closure == ClosureKind::layered_transmitting) {
@@ -272,10 +272,10 @@ MaterialRecord compile_material(Compiler& c, const Material& m)
         c.tables.layers.push_back(compile_layers(m, c.space.scale));
         const std::uint32_t features = c.tables.layers.back().features;
         if (features & (LayersRecord::anisotropic | LayersRecord::coat_normal_mapped))
-            t.flags |= MaterialRecord::wants_tangent;
-        if (features & LayersRecord::textured) t.flags |= MaterialRecord::wants_uv;
+            t.flags |= MaterialRecord::needs_tangent;
+        if (features & LayersRecord::textured) t.flags |= MaterialRecord::needs_uv;
     }
-    if (m.map_tangents && (t.flags & MaterialRecord::wants_tangent) != 0 &&
+    if (m.map_tangents && (t.flags & MaterialRecord::needs_tangent) != 0 &&
         (has_other_tangents(c, m.normal_texture) || has_other_tangents(c, m.coat_normal_texture) ||
          has_other_tangents(c, m.anisotropy_texture)))
         t.flags |= MaterialRecord::map_tangents;
@@ -283,14 +283,14 @@ MaterialRecord compile_material(Compiler& c, const Material& m)
         t.disney = std::uint32_t(c.tables.disney.size());
         c.tables.disney.push_back(compile_disney(m));
         const std::uint32_t features = c.tables.disney.back().features;
-        if (features & DisneyRecord::anisotropic) t.flags |= MaterialRecord::wants_tangent;
-        if (features & DisneyRecord::textured) t.flags |= MaterialRecord::wants_uv;
+        if (features & DisneyRecord::anisotropic) t.flags |= MaterialRecord::needs_tangent;
+        if (features & DisneyRecord::textured) t.flags |= MaterialRecord::needs_uv;
     }
     return t;
 }
 
 /// Gives a mixture the flags and media of its parts that geometry compilation depends on.
-void join_mixture(Compiler& c, std::size_t index)
+void propagate_mixture_flags(Compiler& c, std::size_t index)
 {
     const Material& m = c.scene.materials[index];
     if (m.kind != MaterialKind::mix && m.kind != MaterialKind::two_sided) return;
@@ -305,11 +305,11 @@ void join_mixture(Compiler& c, std::size_t index)
     c.tables.mixtures.push_back(mixture);
     if (mixture.factor.texture != no_index) t.flags |= MaterialRecord::textured;
     for (const std::uint32_t part : {mixture.first, mixture.second}) {
-        join_mixture(c, part);
+        propagate_mixture_flags(c, part);
         const MaterialRecord& p = c.tables.materials[part];
         t.flags |=
             p.flags & (MaterialRecord::textured | MaterialRecord::normal_mapped | MaterialRecord::bumped |
-                       MaterialRecord::vertex_colored | MaterialRecord::wants_tangent | MaterialRecord::wants_uv);
+                       MaterialRecord::vertex_colored | MaterialRecord::needs_tangent | MaterialRecord::needs_uv);
         if (t.medium == 0) t.medium = p.medium;
         if (t.subsurface_medium == 0) t.subsurface_medium = p.subsurface_medium;
     }
@@ -325,8 +325,8 @@ void compile_material_records(Compiler& c)
     c.tables.mixtures.clear();
     c.tables.media.resize(1);
     for (const Material& material : c.scene.materials)
-        c.tables.materials.push_back(compile_material(c, own_parameters(material, material_parameters())));
-    for (std::size_t i = 0; i < c.scene.materials.size(); ++i) join_mixture(c, i);
+        c.tables.materials.push_back(compile_material(c, parameters_of_kind(material, material_parameters())));
+    for (std::size_t i = 0; i < c.scene.materials.size(); ++i) propagate_mixture_flags(c, i);
     // The last record is the material of shapes without one.
     c.tables.materials.push_back(compile_material(c, Material{}));
 }
@@ -336,7 +336,7 @@ void compile_materials(Compiler& c)
     ImageStore images(c);
     // Parameters that the kind does not have are reset, so that they don't affect the scene's fingerprint.
     for (const Texture& texture : c.scene.textures)
-        c.tables.textures.push_back(compile_texture(c, images, own_parameters(texture, texture_parameters())));
+        c.tables.textures.push_back(compile_texture(c, images, parameters_of_kind(texture, texture_parameters())));
     compile_measured_tables(c);
     compile_material_records(c);
     images.set_environment(c);

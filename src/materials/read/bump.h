@@ -10,20 +10,20 @@ namespace fathom {
 inline namespace FATHOM_LANES {
 
 /// The texture lookup point displaced by `share` times the k-th parametric derivative of the surface.
-inline TexturePoint moved_place(const SceneTables& tables, const Surface& s, int k, Float share)
+inline TexturePoint displaced_lookup_point(const SceneTables& tables, const Surface& s, int k, Float share)
 {
     TexturePoint at = s.at;
-    at.p_world = fma(s.ways.way[k], share * Float(float(1 / tables.render_scale)), at.p_world);
+    at.p_world = fma(s.derivatives.way[k], share * Float(float(1 / tables.render_scale)), at.p_world);
     for (int set = 0; set < 2; ++set) {
-        at.u[set] = fma(s.ways.du[k][set], share, at.u[set]);
-        at.v[set] = fma(s.ways.dv[k][set], share, at.v[set]);
+        at.u[set] = fma(s.derivatives.du[k][set], share, at.u[set]);
+        at.v[set] = fma(s.derivatives.dv[k][set], share, at.v[set]);
     }
     return at;
 }
 
 /// Tilts the shading normals of the lanes of m, whose materials are bump mapped. Blinn's term for the curvature of the
 /// surface itself (height times dn/du) is left out.
-[[gnu::noinline]] inline void bend_by_bump(const SceneTables& tables, Mask m, Surface& s)
+[[gnu::noinline]] inline void apply_bump_map(const SceneTables& tables, Mask m, Surface& s)
 {
     const auto get = [&](auto NumberRecord::* member) {
         return gather(tables.materials, &MaterialRecord::bump, member, s.material, m);
@@ -42,17 +42,17 @@ inline TexturePoint moved_place(const SceneTables& tables, const Surface& s, int
     Vec3 bent[2];
     Mask known = m;
     for (int k = 0; k < 2; ++k) {
-        const Vec3& way = s.ways.way[k];
+        const Vec3& way = s.derivatives.way[k];
         const Float length2 = dot(way, way);
         known = known & (length2 > Float(0));
         const Float share = step * inverse_sqrt(max(length2, Float(1e-30f)));
-        const Float slope = (height(moved_place(tables, s, k, share)) - here) / share;
+        const Float slope = (height(displaced_lookup_point(tables, s, k, share)) - here) / share;
         // Derivatives of the displaced position, in the tangent plane of the shading normal.
         bent[k] = fma(s.ns, slope - dot(way, s.ns), way);
     }
     const Vec3 n = cross(bent[0], bent[1]);
     known = known & (dot(n, n) > Float(0));
-    const Float side = dot(cross(s.ways.way[0], s.ways.way[1]), s.ns);
+    const Float side = dot(cross(s.derivatives.way[0], s.derivatives.way[1]), s.ns);
     s.ns = select(known, flip_sign(normalize(n), side), s.ns);
 }
 

@@ -65,7 +65,7 @@ public:
         p.nonlinear = (flags & UInt(MaterialRecord::nonlinear)) != UInt(0);
         if (scene_.has_bumps) {
             const Mask bumped = m & ((flags & UInt(MaterialRecord::bumped)) != UInt(0));
-            if (any(bumped)) bend_by_bump(t_, bumped, s);
+            if (any(bumped)) apply_bump_map(t_, bumped, s);
         }
         const Mask colored = m & ((flags & UInt(MaterialRecord::vertex_colored)) != UInt(0));
         for (int c = 0; c < channels && any(colored); ++c)

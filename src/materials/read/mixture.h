@@ -23,7 +23,7 @@ public:
             const UInt instance = scene_.is_flat ? UInt(no_index) : hits.instance.load(i);
             // A negative t marks a path that scattered in a medium before it reached the surface.
             Mask m = first_lanes(active - i) & (primitive != UInt(no_index)) & !(hits.t.load(i) < Float(0));
-            m &= (scene_.info_of(primitive, instance, m) & UInt(LaneScene::is_mixture)) != UInt(0u);
+            m &= (scene_.shape_info_of(primitive, instance, m) & UInt(LaneScene::is_mixture)) != UInt(0u);
             if (none(m)) continue;
             const SurfaceHit hit{p.origin.load(i), p.direction.load(i),
                                  hits.t.load(i),   hits.u.load(i),

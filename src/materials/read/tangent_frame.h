@@ -22,7 +22,7 @@ struct TangentFrame {
         for_each_unique(own & (texture != UInt(no_index)), texture, [&](std::uint32_t index, Mask same) {
             const TextureRecord& t = tables.textures[index];
             Vec3 along_u, along_v;
-            s.ways.gradients(t.uv_set ? 1 : 0, t.uv_map, along_u, along_v);
+            s.derivatives.gradients(t.uv_set ? 1 : 0, t.uv_map, along_u, along_v);
             const Mask known = same & (dot(along_u, along_u) > Float(0));
             tangent = select(known, along_u, tangent);
             // Green of a normal map points up in the image, against v.

@@ -15,7 +15,7 @@ namespace {
 
 std::uint32_t number_of(Compiler& c, MediumRecord medium, const Material& m)
 {
-    medium.ior = medium.is_open ? 1 : m.ior;
+    medium.ior = medium.is_index_matched ? 1 : m.ior;
     medium.priority = std::uint32_t(std::clamp(m.priority, -1000, 1000) + 1001);
     std::vector<MediumRecord>& media = c.tables.media;
     const auto known = std::find(media.begin() + 1, media.end(), medium);
@@ -28,10 +28,10 @@ std::uint32_t number_of(Compiler& c, MediumRecord medium, const Material& m)
 
 }  // namespace
 
-std::uint32_t volume_medium(Compiler& c, const Material& m, bool is_open)
+std::uint32_t volume_medium(Compiler& c, const Material& m, bool is_index_matched)
 {
     MediumRecord medium;
-    medium.is_open = is_open;
+    medium.is_index_matched = is_index_matched;
     const Rgb color = spectrum(m.attenuation_color), scatter = spectrum(m.transmission_scatter);
     if (m.attenuation_distance > 0) {
         const double distance = m.attenuation_distance * c.space.scale;
@@ -48,7 +48,7 @@ std::uint32_t volume_medium(Compiler& c, const Material& m, bool is_open)
         }
         if (std::max({scatter[0], scatter[1], scatter[2]}) > 0) {
             medium.anisotropy = m.transmission_scatter_anisotropy;
-            medium.counts = m.transmission_scatter_bounces && !is_open;
+            medium.counts = m.transmission_scatter_bounces && !is_index_matched;
         }
     }
     return number_of(c, medium, m);
@@ -63,7 +63,7 @@ std::uint32_t subsurface_medium(Compiler& c, const Material& m)
     const Rgb color = spectrum(m.subsurface_color.value), scale = spectrum(m.subsurface_radius_scale.value);
     for (std::size_t i = 0; i < channels; ++i) {
         const double free_path = double(m.subsurface_radius.value) * double(scale[i]) * c.space.scale;
-        medium.extinction[i] = float(1 / std::max(free_path, double(shortest_free_path)));
+        medium.extinction[i] = float(1 / std::max(free_path, double(min_mean_free_path)));
         medium.scattering[i] =
             float(double(medium.extinction[i]) * single_scattering_albedo(double(color[i]), double(medium.anisotropy)));
     }

@@ -86,7 +86,7 @@ struct Decoded {
     int width = 0, height = 0;
     std::vector<std::uint32_t> words;
     LargeVector<float> floats;
-    std::size_t spoilt = 0;  ///< number of NaN or infinite values, which became 0
+    std::size_t non_finite = 0;  ///< number of NaN or infinite values, which became 0
 };
 
 /// Reads images; each step uses at most a given fraction of the available memory.
@@ -137,7 +137,7 @@ public:
                 return decoded;
             }
         }
-        decoded.spoilt = unpack(image, decode, decoded.floats);
+        decoded.non_finite = unpack(image, decode, decoded.floats);
         return decoded;
     }
 
@@ -229,14 +229,14 @@ private:
         const std::size_t stride = layer.channels.size(), pixels = std::size_t(image.width) * std::size_t(image.height);
         check_memory(double(pixels) * 16);
         texels.resize(pixels * 4);
-        std::size_t spoilt = 0;
+        std::size_t non_finite = 0;
         for (std::size_t i = 0; i < pixels; ++i)
             for (int k = 0; k < 4; ++k) {
                 float v = places.of(&layer.pixels[i * stride], k);
-                if (!std::isfinite(v)) v = 0, ++spoilt;
+                if (!std::isfinite(v)) v = 0, ++non_finite;
                 texels[i * 4 + std::size_t(k)] = decode && k < 3 ? linear_from_srgb(double(v)) : v;
             }
-        return spoilt;
+        return non_finite;
     }
 
     const SceneDescription& scene_;
@@ -353,7 +353,7 @@ ImageStore::ImageStore(Compiler& c)
         Decoded d = std::move(pictures[i]);  // frees the floats of each image once they are in the tables
         c.warnings.add(
             fmt::format("{}: values that are no number or infinite are taken for 0", name_of(c.scene, uses[i].image)),
-            d.spoilt);
+            d.non_finite);
         Texels& texels = texels_[uses[i]];
         texels = {d.format, c.tables.packed_images.size(), d.width, d.height};
         if (uses[i].purpose == ImageUse::Purpose::light) {

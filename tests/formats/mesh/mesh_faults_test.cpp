@@ -25,10 +25,10 @@ protected:
 
 TEST_F(MeshFaultsTest, NumbersAsPeopleWriteThem)
 {
-    EXPECT_EQ(with_commas(0), "0");
-    EXPECT_EQ(with_commas(999), "999");
-    EXPECT_EQ(with_commas(1204), "1,204");
-    EXPECT_EQ(with_commas(1234567), "1,234,567");
+    EXPECT_EQ(thousands_separated(0), "0");
+    EXPECT_EQ(thousands_separated(999), "999");
+    EXPECT_EQ(thousands_separated(1204), "1,204");
+    EXPECT_EQ(thousands_separated(1234567), "1,234,567");
 }
 
 /// One line for each kind of fault: of a file, or of a scene and what it refers to.

@@ -609,7 +609,7 @@ TEST(Displacement, EditsAreThoseOfTheSceneMadeAnew)
         Warnings warnings;
         const std::uint64_t edited = edit.compile(warnings).fingerprint();
         EXPECT_EQ(edited, Scene::compile(edit.description(), "", warnings).fingerprint());
-        EXPECT_EQ(edit.compiled_anew(), anew);
+        EXPECT_EQ(edit.recompiled(), anew);
         return edited;
     };
     const std::uint64_t first = expect_same(true);

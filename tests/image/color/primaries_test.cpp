@@ -76,7 +76,7 @@ TEST(Primaries, WhitesOfTemperatures)
     for (const auto& [kelvin, x, y] :
          {Known{5003, 0.34567, 0.35850}, Known{5503, 0.33242, 0.34743}, Known{6504, 0.31272, 0.32903},
           Known{7504, 0.29902, 0.31485}, Known{2856, 0.44758, 0.40745}, Known{1000, 0.65275, 0.34446}}) {
-        const Vec2f white = white_of(kelvin);
+        const Vec2f white = white_chromaticity(kelvin);
         EXPECT_NEAR(white.x, x, 4e-4) << kelvin;
         EXPECT_NEAR(white.y, y, 4e-4) << kelvin;
     }

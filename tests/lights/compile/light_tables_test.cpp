@@ -238,8 +238,8 @@ TEST(EnvironmentTable, DistributionFollowsTheImage)
         sphere += 16 * sine, sampled += rows[y] > 0 ? 3 * sine : 0;
     }
     const double mean = 0.7152 * sampled / sphere;
-    EXPECT_NEAR(e.even_luminance, mean, 1e-4);
-    EXPECT_NEAR(e.sampled_luminance / (4 * std::numbers::pi * sampled / sphere), 0.7152 - mean, 1e-4);
+    EXPECT_NEAR(e.base_luminance, mean, 1e-4);
+    EXPECT_NEAR(e.luminance_per_pdf / (4 * std::numbers::pi * sampled / sphere), 0.7152 - mean, 1e-4);
 }
 
 }  // namespace

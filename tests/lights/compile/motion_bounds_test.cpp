@@ -61,7 +61,7 @@ TEST(LightMotionBounds, HoldsWhatItCarries)
         const Vec3d center = chance.vector(3), normal = normalize(chance.vector(1));
         const double radius = chance(0, 1);
         LightExtent ball{};
-        path.put_ball(center, radius, ball);
+        path.set_bounding_ball(center, radius, ball);
         const NormalCone cone = path.cone(normal);
         narrow += cone.cosine > 0;
         for (int i = 0; i <= 5000; ++i) {

@@ -28,7 +28,7 @@ Vec3d sun_at(double elevation_deg)
 TEST(Sky, DepthsStraightUp)
 {
     for (double height : {0.0, 2.0, 12.0}) {
-        const Sky::Depths depths = Sky::depths_to_space(height, 1);
+        const Sky::OpticalDepths depths = Sky::depths_to_space(height, 1);
         const auto exponential = [&](double scale) {
             return scale * (std::exp(-height / scale) - std::exp(-60 / scale));
         };
@@ -202,7 +202,7 @@ TEST(Sky, ScatteringAgainstAPlainSum)
                             ((2 + g * g) * std::pow(1 + g * g - 2 * g * cosine, 1.5));
         const double at_ground[] = {-std::log(Sky::transmittance({1, 0, 0}, wavelength)),
                                     -std::log(Sky::transmittance({0, 1, 0}, wavelength))};
-        Sky::Depths seen;
+        Sky::OpticalDepths seen;
         double sum = 0;
         for (int i = 0; i < steps; ++i) {
             const double length = way / steps;
@@ -211,7 +211,7 @@ TEST(Sky, ScatteringAgainstAPlainSum)
             seen.molecules += std::exp(-height / 8) * length;
             seen.haze += std::exp(-height / 1.2) * length;
             seen.ozone += std::max(0.0, 1 - std::abs(height - 25) / 15) * length;
-            const Sky::Depths sun = Sky::depths_to_space(height, dot(p, to_sun) / r);
+            const Sky::OpticalDepths sun = Sky::depths_to_space(height, dot(p, to_sun) / r);
             const double left = Sky::transmittance(
                 {seen.molecules + sun.molecules, seen.haze + sun.haze, seen.ozone + sun.ozone}, wavelength);
             sum += left * length *

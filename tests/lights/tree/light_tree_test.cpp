@@ -109,7 +109,7 @@ struct Lamps {
             tables.light_cdf.push_back(float(running / sum));
             tables.lights[i].pmf = tables.light_cdf[i + 1] - tables.light_cdf[i];
         }
-        tables.placed_lights = placed;
+        tables.positioned_lights = placed;
         build_light_tree(tables, powers, 0, close_time);
     }
     LightReader<false> light(std::uint32_t i) const { return {tables.lights.data(), UInt(i)}; }
@@ -401,7 +401,7 @@ TEST(LightTree, NarrowLightsAreChosenWhereTheyReach)
             l.pmf = 1 / float(n);
         }
         for (std::uint32_t i = 0; i <= n; ++i) tables.light_cdf.push_back(float(i) / float(n));
-        tables.placed_lights = n;
+        tables.positioned_lights = n;
         build_light_tree(tables, powers, 0, close_time);
         const LightSelector tree(tables, LightSelection::tree);
         for (std::uint32_t i = 0; i < n; ++i) {

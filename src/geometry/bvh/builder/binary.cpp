@@ -20,7 +20,7 @@ constexpr std::size_t treelet_size = 1 << 13, treelet_clusters = 1 << 9;
 
 /// Sets of up to this many items stay unsplit if one leaf can hold them. Splitting sets of four takes half of the build
 /// time.
-constexpr std::size_t together(TreeBuild level, bool cut)
+constexpr std::size_t max_unsplit(TreeBuild level, bool cut)
 {
     if (level != TreeBuild::high) return 4;
     return cut ? 3 : 2;
@@ -111,7 +111,7 @@ private:
             return nullptr;
         };
         const auto build = [&](Treelet* treelet) {
-            treelet->build(splitter_.get(), together(level_, splitter_ != nullptr), first_item, tree.ids.data(),
+            treelet->build(splitter_.get(), max_unsplit(level_, splitter_ != nullptr), first_item, tree.ids.data(),
                            clusters_.get());
             return treelet;
         };

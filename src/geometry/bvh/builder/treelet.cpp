@@ -10,11 +10,11 @@ namespace {
 
 class TreeletBuilder {
 public:
-    TreeletBuilder(Treelet& treelet, const SpatialSplitter* splitter, std::size_t together, const Item* first_item,
+    TreeletBuilder(Treelet& treelet, const SpatialSplitter* splitter, std::size_t max_unsplit, const Item* first_item,
                    std::uint32_t* ids, const Clusters* clusters)
         : nodes_(treelet.nodes),
           splitter_(splitter),
-          together_(together),
+          together_(max_unsplit),
           first_item_(first_item),
           ids_(ids),
           clusters_(clusters)
@@ -90,11 +90,11 @@ private:
 
 }  // namespace
 
-void Treelet::build(const SpatialSplitter* splitter, std::size_t together, const Item* first_item, std::uint32_t* ids,
-                    const Clusters* clusters)
+void Treelet::build(const SpatialSplitter* splitter, std::size_t max_unsplit, const Item* first_item,
+                    std::uint32_t* ids, const Clusters* clusters)
 {
     nodes.reserve(clusters ? 10 * set.count : set.count);
-    TreeletBuilder(*this, splitter, together, first_item, ids, clusters).split(set, BinaryNode::none, depth);
+    TreeletBuilder(*this, splitter, max_unsplit, first_item, ids, clusters).split(set, BinaryNode::none, depth);
 }
 
 }  // namespace fathom::bvh

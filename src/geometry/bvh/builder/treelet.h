@@ -17,7 +17,7 @@ struct Treelet {
     /// Builds the nodes. splitter: allows spatial splits if not null. together: sets of up to this many items stay
     /// unsplit if one leaf can hold them. ids: receives the item ids; leaves index it relative to first_item. clusters:
     /// what the items stand for, or null if they are ordinary items.
-    void build(const SpatialSplitter* splitter, std::size_t together, const Item* first_item, std::uint32_t* ids,
+    void build(const SpatialSplitter* splitter, std::size_t max_unsplit, const Item* first_item, std::uint32_t* ids,
                const Clusters* clusters);
 };
 

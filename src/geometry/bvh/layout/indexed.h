@@ -189,7 +189,7 @@ template <class F, bool moving>
     };
     const TriangleWeightsOf<F> w = triangle_weights(seen(0), seen(1), seen(2));
     const auto corner_z = [&](int k) { return corner[k].of(leaf.axis(axis), z); };
-    return first_weighed(w, corner_z(0), corner_z(1), corner_z(2), leaf.count() - at);
+    return first_triangles(w, corner_z(0), corner_z(1), corner_z(2), leaf.count() - at);
 }
 
 /// Intersects a ray with the triangles of a leaf from index `at` on, at most one per lane. key, fraction: as in

@@ -20,10 +20,10 @@ inline constexpr std::uint32_t hit_is_index = 1u << 31;
 /// The nearest hits of a stream's rays so far, in columns.
 struct RayHits {
     /// Slot past the rays, for values to be discarded.
-    static constexpr int nowhere = stream_size;
+    static constexpr int discard_slot = stream_size;
 
-    alignas(64) float t[nowhere + 1], u[nowhere + 1], v[nowhere + 1];
-    alignas(64) std::uint32_t what[nowhere + 1], instance[nowhere + 1];
+    alignas(64) float t[discard_slot + 1], u[discard_slot + 1], v[discard_slot + 1];
+    alignas(64) std::uint32_t what[discard_slot + 1], instance[discard_slot + 1];
 
     /// The key of ray i's hit, or no_index.
     BvhKey key(const BvhData& bvh, int i) const
@@ -31,8 +31,8 @@ struct RayHits {
         return what[i] != no_index && what[i] & hit_is_index ? bvh.keys[what[i] & ~hit_is_index] : what[i];
     }
     /// Whether another hit precedes the hit of ray i.
-    bool loses_to(const BvhData& bvh, int i, float other_t, float other_u, BvhKey other,
-                  std::uint32_t other_instance) const
+    bool is_preceded_by(const BvhData& bvh, int i, float other_t, float other_u, BvhKey other,
+                        std::uint32_t other_instance) const
     {
         if (other_t != t[i]) return other_t < t[i];
         const BvhKey own = key(bvh, i);

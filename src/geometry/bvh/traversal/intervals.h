@@ -34,7 +34,7 @@ inline bool are_many(RayMask rays, int boxes)
 }
 
 /// The rays that share octant and longest axis with the first of them.
-inline RayMask alike(const PreparedRays* all, RayMask rays)
+inline RayMask coherent_rays(const PreparedRays* all, RayMask rays)
 {
     const int first = std::countr_zero(rays);
     const auto of_first = [&](int field) { return float_bits(Float(all[first / lanes].f[field][first % lanes])); };
@@ -102,7 +102,7 @@ private:
             x[9 + axis] = down ? to : from;
         }
         std::fill_n(x + 12, 4, outside);
-        min_each(x, out);
+        reduce_min_each(x, out);
     }
     void set(const float (&least)[count], std::uint32_t octant)
     {

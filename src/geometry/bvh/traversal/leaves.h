@@ -134,8 +134,8 @@ struct PieceHits {
     Float t, w;
 };
 /// Hits on solid curve pieces in the lanes of `solid`. A separate function, so that other curves do not pay for it.
-[[gnu::noinline]] inline PieceHits meet_solid_pieces(const GeometryTables& tables, UInt segment, Float number,
-                                                     const CurvePiece& piece, const LeafRay& ray, Mask solid)
+[[gnu::noinline]] inline PieceHits intersect_solid_pieces(const GeometryTables& tables, UInt segment, Float number,
+                                                          const CurvePiece& piece, const LeafRay& ray, Mask solid)
 {
     const KeyTime time{UInt(ray.key), Float(ray.fraction)};
     const SolidPieces solids(tables, segment, number, time, solid);
@@ -145,7 +145,7 @@ struct PieceHits {
 }
 
 /// Lanes of `near` whose hit on the end of a piece lies inside the piece itself or its neighbors.
-[[gnu::noinline]] inline Mask hidden_in_fibre(const GeometryTables& tables, UInt segment, Float number,
+[[gnu::noinline]] inline Mask hidden_in_fiber(const GeometryTables& tables, UInt segment, Float number,
                                               const CurvePiece& piece, const LeafRay& ray, Float t, Mask near)
 {
     const Mask begins_within = span_of_round_piece(piece, ray.o, ray.d).t_in <= Float(0);
@@ -170,7 +170,7 @@ bool intersect_curves(const GeometryTables& tables, const BvhLeaf& leaf, const L
             const Mask solid = pieces.solid();
             if (any(solid)) {
                 const Float number = pieces.begin() / pieces.share();
-                const PieceHits hits = meet_solid_pieces(tables, ids_from(leaf, at), number, piece, ray, solid);
+                const PieceHits hits = intersect_solid_pieces(tables, ids_from(leaf, at), number, piece, ray, solid);
                 m = (m & !solid) | (hits.m & solid);
                 t = select(solid, hits.t, t);
                 w = select(solid, hits.w, w);
@@ -181,7 +181,7 @@ bool intersect_curves(const GeometryTables& tables, const BvhLeaf& leaf, const L
             const Mask near = m & pieces.fiber() & (t < max(piece.ra, piece.rb) * Float(far_in_radii));
             if (any(near)) {
                 const Float number = pieces.begin() / pieces.share();
-                m = m & !hidden_in_fibre(tables, ids_from(leaf, at), number, piece, ray, t, near);
+                m = m & !hidden_in_fiber(tables, ids_from(leaf, at), number, piece, ray, t, near);
             }
         }
         // The share is a power of 2 and `begin` a multiple of it, so the end of a piece equals the beginning of the

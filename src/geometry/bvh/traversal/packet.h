@@ -11,7 +11,7 @@ namespace fathom {
 inline namespace FATHOM_LANES {
 
 /// within: the rays are in the space of an instance, in memory.together; otherwise in world space.
-template <bool any_hit, bool moving, bool within = false>
+template <bool any_hit, bool moving, bool in_instance = false>
 class PacketTraversal {
 public:
     /// The subtree to traverse.
@@ -80,8 +80,8 @@ private:
         if (!any_hit) return std::popcount(rays) <= (is_node ? 6 : 3);
         return std::popcount(rays) <= 1 + (is_node ? 3 : 2) * parts_with(rays);
     }
-    const PreparedRays& part(int i) const { return within ? memory_.together[i] : memory_.world[i]; }
-    std::uint32_t instance() const { return within ? space_.instance : no_index; }
+    const PreparedRays& part(int i) const { return in_instance ? memory_.together[i] : memory_.world[i]; }
+    std::uint32_t instance() const { return in_instance ? space_.instance : no_index; }
 
     /// Rays whose current hit is not nearer than t.
     RayMask reached_by(float t) const
@@ -129,7 +129,7 @@ private:
     void begin_again(RayMask rays)
     {
         stream_.forget(rays);
-        for (RayMask m = within ? rays : 0; m; m &= m - 1) {
+        for (RayMask m = in_instance ? rays : 0; m; m &= m - 1) {
             const int ray = std::countr_zero(m);
             stream_.enter(ray, instance(), &part(ray / lanes).f[0][ray % lanes]);
         }
@@ -138,7 +138,7 @@ private:
 
     [[gnu::noinline]] void visit_other(std::uint32_t reference, float t, RayMask rays, int size)
     {
-        if constexpr (!within)
+        if constexpr (!in_instance)
             if (BvhReference::other_kind(reference) == BvhReference::instance && std::popcount(rays) >= min_within)
                 return visit_instance(BvhReference::place(reference), rays, size);
         if (BvhReference::is_indexed_triangles(reference)) return visit_indexed_leaf(reference, rays);
@@ -171,7 +171,7 @@ private:
                                         load(r.f[PreparedRays::t_max]), time, mesh.radius);
         }
         for (RayMask rest = rays; rest;) {
-            const RayMask same = alike(memory_.together, rest);
+            const RayMask same = coherent_rays(memory_.together, rest);
             rest &= ~same;
             if (std::popcount(same) < min_within) {
                 for (RayMask m = same; m; m &= m - 1)
@@ -192,7 +192,7 @@ private:
     }
 
     /// Lists the slots whose box may be hit, the first to visit last, and their distances; returns their number.
-    [[gnu::always_inline]] static int slots_met(const BoxDistances& box, std::uint32_t* slots, float* t)
+    [[gnu::always_inline]] static int slots_hit(const BoxDistances& box, std::uint32_t* slots, float* t)
     {
         alignas(64) float near[bvh_width];
         std::uint32_t bits = 0;
@@ -243,7 +243,7 @@ private:
         alignas(64) static constexpr auto aligned_slots = slots;
         alignas(64) std::uint32_t met[2 * bvh_width];
         alignas(64) float met_t[2 * bvh_width];
-        const int count = any_hit ? slots_met(box, met, met_t)
+        const int count = any_hit ? slots_hit(box, met, met_t)
                                   : push_in_order({met, met_t}, 0, aligned_slots.data(), node.order[octant_], box);
         if (any_hit && !moving && !are_many(rays, count)) {
             defer(entry);
@@ -457,7 +457,7 @@ private:
         const BvhKey key = what & hit_is_index ? bvh_.keys[what & ~hit_is_index] : what;
         bool found = false;
         for_each_active(m, [&](int lane) {
-            if (!memory_.hits.loses_to(bvh_, base + lane, ts[lane], us[lane], key, instance())) return;
+            if (!memory_.hits.is_preceded_by(bvh_, base + lane, ts[lane], us[lane], key, instance())) return;
             if (bvh_.has_alpha &&
                 !passes_alpha(bvh_, memory_, base + lane, key, instance(), ts[lane], us[lane], vs[lane]))
                 return;

@@ -99,7 +99,7 @@ inline int filter(const BvhStack& stack, int size, float t_max)
     return to;
 }
 
-[[gnu::always_inline]] inline std::uint32_t boxes_met(const BoxDistances& box)
+[[gnu::always_inline]] inline std::uint32_t boxes_hit(const BoxDistances& box)
 {
     std::uint32_t bits = 0;
     for (int part = 0; part < box_parts; ++part) bits |= mask_bits(box.near[part] <= box.far[part]) << part * lanes;
@@ -125,7 +125,7 @@ inline int filter(const BvhStack& stack, int size, float t_max)
 [[gnu::always_inline]] inline int push_in_order(const BvhStack& stack, int size, const std::uint32_t* what,
                                                 const std::uint32_t* order, const BoxDistances& box)
 {
-    const std::uint32_t bits = boxes_met(box);
+    const std::uint32_t bits = boxes_hit(box);
     alignas(64) float near[bvh_width];
     alignas(16) std::uint8_t slots[48] = {};  // entries past the last are slot 32
     for (int part = 0; part < box_parts; ++part) store(near + part * lanes, box.near[part]);
@@ -164,7 +164,7 @@ inline int filter(const BvhStack& stack, int size, float t_max)
 [[gnu::always_inline]] inline int push_in_order(const BvhStack& stack, int size, const std::uint32_t* what,
                                                 const std::uint32_t* order, const BoxDistances& box)
 {
-    const std::uint32_t bits = boxes_met(box);
+    const std::uint32_t bits = boxes_hit(box);
     float near[bvh_width];
     for (int part = 0; part < box_parts; ++part) store(near + part * lanes, box.near[part]);
     for (int i = 0; i < bvh_width; ++i) {
@@ -181,7 +181,7 @@ inline int filter(const BvhStack& stack, int size, float t_max)
 [[gnu::always_inline]] inline int push_any(const BvhStack& stack, int size, const BvhNode& node,
                                            const BoxDistances& box)
 {
-    std::uint32_t bits = boxes_met(box);
+    std::uint32_t bits = boxes_hit(box);
     const int after = size + std::popcount(bits);
     const auto push = [&] {
         stack.reference[size++] = node.child[std::countr_zero(bits | 1u << (bvh_width - 1))];

@@ -79,7 +79,7 @@ private:
     /// rays).
     void intersect_leaf(const PacketEntry& entry)
     {
-        if (BvhReference::is_indexed_triangles(entry.reference)) return meet_indexed_leaf(entry);
+        if (BvhReference::is_indexed_triangles(entry.reference)) return intersect_indexed_leaf(entry);
         const std::ptrdiff_t n = BvhReference::triangle_count(entry.reference);
         const float* const data = &bvh_.triangles[9 * std::size_t(BvhReference::first_triangle(entry.reference))];
         Float low[3], high[3];
@@ -88,7 +88,7 @@ private:
                                 [&](int i, std::ptrdiff_t vertex) { return data + i + 3 * vertex * n; });
     }
     /// intersect_leaf() for an indexed leaf.
-    [[gnu::noinline]] void meet_indexed_leaf(const PacketEntry& entry)
+    [[gnu::noinline]] void intersect_indexed_leaf(const PacketEntry& entry)
     {
         const IndexedLeaf leaf = bvh_.indexed_leaf(entry.reference);
         Float low[3], high[3];

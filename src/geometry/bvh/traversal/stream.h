@@ -72,7 +72,7 @@ public:
     void forget(RayMask rays) { known_ &= ~rays; }
 
     /// Tests a leaf of triangles immediately; returns whether it contains the nearest hit so far.
-    bool meet(int ray, std::uint32_t reference)
+    bool intersect_leaf(int ray, std::uint32_t reference)
     {
         if (!is_known(ray)) add(ray);
         states_[ray].reference = reference;
@@ -80,7 +80,7 @@ public:
         memory_.visits.primitives += std::uint64_t(n);
         bool found = false;
         for (int at = 0; at < n && !(any_hit && found); at += lanes) {
-            const TriangleIntersections triangles = weigh(ray, at);
+            const TriangleIntersections triangles = intersect_leaf_triangles(ray, at);
             if (any(triangles.weights.inside)) found |= take_triangles(ray, at, triangles);
         }
         return found;
@@ -285,13 +285,13 @@ private:
                                 : bvh_.keys[BvhReference::first_triangle(leaf) + std::uint32_t(i)];
     }
     /// Value of RayHits::what for triangle i of a leaf.
-    std::uint32_t name_of(std::uint32_t leaf, int i) const
+    std::uint32_t hit_id_of(std::uint32_t leaf, int i) const
     {
         return is_indexed(leaf) ? triangle_key(leaf, i)
                                 : hit_is_index | (BvhReference::first_triangle(leaf) + std::uint32_t(i));
     }
 
-    [[gnu::always_inline]] TriangleIntersections weigh(int ray, int at) const
+    [[gnu::always_inline]] TriangleIntersections intersect_leaf_triangles(int ray, int at) const
     {
         const std::uint32_t leaf = states_[ray].reference;
         if (!is_indexed(leaf)) return intersect_triangles(bvh_, leaf, at, prepared(ray));
@@ -312,7 +312,7 @@ private:
             const int ray = int(now_.leaf[i]);
             fetch_leaf(now_.leaf[std::min(i + leaf_wave, now_.n.leaves - 1)]);
             triangles += triangle_count(states_[ray].reference);
-            to[i - first] = distances_to_triangles(ray, weigh(ray, 0));
+            to[i - first] = distances_to_triangles(ray, intersect_leaf_triangles(ray, 0));
         }
         // Rays with hits are listed without branches first: half of the leaves have no hit, which is unpredictable.
         std::uint32_t nearer[leaf_wave];
@@ -339,7 +339,7 @@ private:
             const int ray = int(now_.leaf[i]);
             fetch_leaf(now_.leaf[std::min(i + leaf_wave, now_.n.leaves - 1)]);
             triangles += triangle_count(states_[ray].reference);
-            found[i] = any(blockers(ray, weigh(ray, 0)));
+            found[i] = any(blockers(ray, intersect_leaf_triangles(ray, 0)));
         }
         for (int i = 0; i < now_.n.leaves; ++i) {
             const int ray = int(now_.leaf[i]);
@@ -380,9 +380,9 @@ private:
         const float t = first_of(to.t, to.hit);
         if (bvh_.has_alpha || (met & (met - 1)) != 0 || t == hits.t[ray]) return note_nearest_of_some(ray, to);
         // Without a hit, the values go to an unused slot.
-        const int at = met != 0 ? ray : RayHits::nowhere;
+        const int at = met != 0 ? ray : RayHits::discard_slot;
         const int lane = std::countr_zero(met | 1u << (lanes - 1));
-        hits.set(at, t, first_of(to.u, to.hit), first_of(to.v, to.hit), name_of(states_[ray].reference, lane),
+        hits.set(at, t, first_of(to.u, to.hit), first_of(to.v, to.hit), hit_id_of(states_[ray].reference, lane),
                  states_[ray].instance);
         return met != 0;
     }
@@ -397,12 +397,12 @@ private:
         if (bvh_.has_alpha || !std::has_single_bit(least) || t == memory_.hits.t[ray])
             return take(ray, to.hit, to.t, to.u, to.v, [&](int lane) { return triangle_key(leaf, lane); });
         memory_.hits.set(ray, t, first_of(to.u, nearest), first_of(to.v, nearest),
-                         name_of(leaf, std::countr_zero(least)), states_[ray].instance);
+                         hit_id_of(leaf, std::countr_zero(least)), states_[ray].instance);
         return true;
     }
 
     /// Visits a leaf when there are fewer lanes than children of a node.
-    void visit_leaf(int ray) { go_on(ray, meet(ray, states_[ray].reference)); }
+    void visit_leaf(int ray) { go_on(ray, intersect_leaf(ray, states_[ray].reference)); }
 
     [[gnu::always_inline]] bool take_triangles(int ray, int at, const TriangleIntersections& weighed)
     {
@@ -434,7 +434,7 @@ private:
         RayHits& hits = memory_.hits;
         for_each_active(m, [&](int lane) {
             const BvhKey key = key_of(lane);
-            if (!hits.loses_to(bvh_, ray, ts[lane], us[lane], key, states_[ray].instance)) return;
+            if (!hits.is_preceded_by(bvh_, ray, ts[lane], us[lane], key, states_[ray].instance)) return;
             if (bvh_.has_alpha &&
                 !passes_alpha(bvh_, memory_, ray, key, states_[ray].instance, ts[lane], us[lane], vs[lane]))
                 return;

@@ -29,8 +29,8 @@ struct TriangleIntersections {
 
 /// Keeps the first n triangles, at most one per lane.
 template <class F>
-[[gnu::always_inline]] inline TriangleIntersections first_weighed(const TriangleWeightsOf<F>& w, F za, F zb, F zc,
-                                                                  std::ptrdiff_t n)
+[[gnu::always_inline]] inline TriangleIntersections first_triangles(const TriangleWeightsOf<F>& w, F za, F zb, F zc,
+                                                                    std::ptrdiff_t n)
 {
     const std::uint32_t inside = mask_bits(w.inside) & ((std::uint32_t(2) << (n - 1)) - 1);
     return {{widened(w.a), widened(w.b), widened(w.c), mask_from_bits(inside)},
@@ -72,7 +72,7 @@ template <class F>
     const TriangleCorner<F> a = corner(0), b = corner(1), c = corner(2);
     const TriangleWeightsOf<F> w =
         triangle_weights(F(r.number(PreparedRays::shear_x)), F(r.number(PreparedRays::shear_y)), a, b, c);
-    return first_weighed(w, a.z, b.z, c.z, n - at);
+    return first_triangles(w, a.z, b.z, c.z, n - at);
 }
 
 /// Intersects a ray with a leaf's triangles from index `at` on, at most one per lane.

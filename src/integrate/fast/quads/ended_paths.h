@@ -6,9 +6,9 @@ namespace fathom {
 inline namespace FATHOM_LANES {
 
 /// Buffers the radiance of finished paths and adds it to the film in batches.
-class EndedPaths {
+class FinishedPaths {
 public:
-    explicit EndedPaths(TileSums& sums) : sums_(sums) {}
+    explicit FinishedPaths(TileSums& sums) : sums_(sums) {}
 
     /// Adds the paths of the mask. pixels: positions in the job; reversed_index: see SampleKey.
     [[gnu::always_inline]] void add(Mask ended, UInt pixels, UInt reversed_index, const Spectrum& radiance)

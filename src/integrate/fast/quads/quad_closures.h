@@ -8,7 +8,7 @@ namespace fathom {
 inline namespace FATHOM_LANES {
 
 /// Vertices of a gang of paths on quads.
-struct QuadPlace {
+struct QuadVertex {
     Vec3 p;        ///< on the quad
     Float offset;  ///< distance from the quad at which rays leave it
     Vec3 d;        ///< direction along which each path arrived
@@ -35,7 +35,7 @@ public:
 
     /// Scatters the lanes of m, whose quads all have this kind of closure. sample: returns the light sample for a mask.
     template <class LightOf>
-    [[gnu::always_inline]] void scatter(ClosureKind kind, const QuadPlace& place, Mask m, bool lights_are_sampled,
+    [[gnu::always_inline]] void scatter(ClosureKind kind, const QuadVertex& place, Mask m, bool lights_are_sampled,
                                         const LightOf& sample, QuadScatter& next) const
     {
         Closures::visit(kind, [&]<class Closure>() {
@@ -46,7 +46,7 @@ public:
 
 private:
     template <class Closure, class LightOf>
-    [[gnu::noinline, gnu::flatten]] void scatter_by(const QuadPlace& place, Mask m, bool lights_are_sampled,
+    [[gnu::noinline, gnu::flatten]] void scatter_by(const QuadVertex& place, Mask m, bool lights_are_sampled,
                                                     const LightOf& sample, QuadScatter& next) const
     {
         clock_.enter(RenderStage::surface);

@@ -37,7 +37,7 @@ public:
     {
         clock_.enter(RenderStage::quads);
         lights_are_sampled_ = settings.light_sampling && !tables_.lights.empty();
-        sees_background_ = scene.sees_environment || settings.background.given;
+        sees_background_ = scene.needs_environment_radiance || settings.background.given;
         for (std::uint32_t kind = 0; kind < closure_kind_count && !all_plain; ++kind)
             if (scene.has_closure(kind)) others_[other_kinds_].kind = kind, others_[other_kinds_++].end = 0;
     }
@@ -63,7 +63,7 @@ private:
     /// Origin of rays: the camera, a plain quad, or another quad.
     enum class From { camera, plain, other };
     template <From from>
-    struct Arrival;
+    struct NextHit;
 
     /// Number of paths in flight.
     std::size_t size() const
@@ -74,7 +74,7 @@ private:
     }
 
     /// Scatters gangs of paths on quads that are not plain; an incomplete gang waits as long as there are new paths.
-    void run_others(OtherQuadPool& p)
+    void run_others(ClosureQuadPool& p)
     {
         const bool waits = next_ < camera_paths_.total();
         const std::size_t active = std::exchange(p.end, 0), done = waits ? active / lanes * lanes : active;
@@ -92,16 +92,16 @@ private:
         const Mask valid = first_lanes(camera_paths_.total() - next_);
         const CameraPaths::Path path = camera_paths_.make(next_);
         next_ += lanes;
-        Arrival<From::camera> at{path.ray.o, path.ray.d, Float(0), valid};
-        at.meet(*this);
+        NextHit<From::camera> at{path.ray.o, path.ray.d, Float(0), valid};
+        at.intersect(*this);
         if (first_hits_.wanted())
             first_hits_.add({at.o, at.d, at.t, Float(0), Float(0), Float(0), at.quad, UInt(no_index)}, MediumStack(),
                             path.pixel, path.key.reversed_index, at.hits);
         Spectrum sum(Float(0));
         at.add_radiance(*this, Spectrum(Float(1)), sum);
-        const Mask goes_on = at.goes_on() & may_scatter(settings_, UInt(0u));
-        ended_.add(valid & !goes_on, path.pixel, path.key.reversed_index, sum);
-        keep(at, goes_on, UInt(0u), Spectrum(Float(1)), sum, Float(1), path.key, path.pixel);
+        const Mask continues = at.continues() & may_scatter(settings_, UInt(0u));
+        ended_.add(valid & !continues, path.pixel, path.key.reversed_index, sum);
+        store_path(at, continues, UInt(0u), Spectrum(Float(1)), sum, Float(1), path.key, path.pixel);
     }
 
     /// Next event estimation and the next direction for paths on plain quads, stored from index i on. Fields are
@@ -118,32 +118,32 @@ private:
 
         const Vec3 local = sample_cosine_hemisphere(sample_2d(index, pair_seed(seed, pair_bsdf)));
         const Vec3 n = normal(p, i), tangent = scene_.quads.tangent(p.quad(i));
-        Arrival<From::plain> at{p.eye.load(i), Frame(tangent, cross(n, tangent), n).to_world(local),
+        NextHit<From::plain> at{p.eye.load(i), Frame(tangent, cross(n, tangent), n).to_world(local),
                                 local.z * Float(inv_pi), valid};
 
         Spectrum left = p.throughput.load(i) * scene_.quads.color(p.quad(i));
         Spectrum sum;
         for (int c = 0; c < channels; ++c) sum.c[c] = fma(left.c[c], light.c[c], p.radiance.c[c].load(i));
-        go_on(at, p, i, valid, seed, !all_plain && scene_.refracts ? p.eta_scale.load(i) : Float(1), left, sum);
+        continue_path(at, p, i, valid, seed, !all_plain && scene_.refracts ? p.eta_scale.load(i) : Float(1), left, sum);
     }
 
     /// Next event estimation and the next direction for paths on other quads, stored from index i on.
-    [[gnu::noinline, gnu::flatten]] void bounce_by_closure(const OtherQuadPool& p, std::size_t i, Mask valid)
+    [[gnu::noinline, gnu::flatten]] void bounce_by_closure(const ClosureQuadPool& p, std::size_t i, Mask valid)
     {
         count_vertices(counters_, valid);
         const UInt seed = group_seed(p.key(i), p.bounces(i) + UInt(1u));
         const UInt index = shuffled_index(p.key(i), seed), quad = p.quad(i);
         const Vec3 eye = p.eye.load(i);
         const Float offset = p.offset.load(i);
-        const QuadPlace place{fma(normal(p, i), -offset, eye),
-                              offset,
-                              p.direction.load(i),
-                              eye,
-                              quad,
-                              p.key(i),
-                              seed,
-                              index,
-                              p.throughput.load(i)};
+        const QuadVertex place{fma(normal(p, i), -offset, eye),
+                               offset,
+                               p.direction.load(i),
+                               eye,
+                               quad,
+                               p.key(i),
+                               seed,
+                               index,
+                               p.throughput.load(i)};
         const auto light = [&](Mask m) {
             return lights_.sample(m, eye, place.key, seed, sample_2d(index, pair_seed(seed, pair_light)), Float(0));
         };
@@ -153,51 +153,52 @@ private:
         if (any(next.lit)) sum = sum + select(clear(next.shadow, next.lit), next.direct, Spectrum(Float(0)));
         Float eta_scale(1);
         if (scene_.refracts) eta_scale = p.eta_scale.load(i) * next.by.eta * next.by.eta;
-        Arrival<From::other> at{next.start, next.by.wi, next.by.pdf, valid};
+        NextHit<From::other> at{next.start, next.by.wi, next.by.pdf, valid};
         at.specular = next.by.is_delta;
         at.scattered = !next.by.is_delta | ((p.place.load(i) & UInt(QuadPool::scattered)) != UInt(0u));
-        go_on(at, p, i, valid, seed, eta_scale, next.by.throughput, sum);
+        continue_path(at, p, i, valid, seed, eta_scale, next.by.throughput, sum);
     }
 
     /// Russian roulette, then the next hit of the paths that continue along `at`. left: throughput; sum: radiance.
     template <From from>
-    [[gnu::always_inline]] void go_on(Arrival<from>& at, const QuadPool& p, std::size_t i, Mask valid, UInt seed,
-                                      Float eta_scale, Spectrum left, Spectrum sum)
+    [[gnu::always_inline]] void continue_path(NextHit<from>& at, const QuadPool& p, std::size_t i, Mask valid,
+                                              UInt seed, Float eta_scale, Spectrum left, Spectrum sum)
     {
         const UInt before = p.bounces(i);
-        at.alive = valid & !play(roulette_by_throughput(settings_, before, eta_scale, left), p.key(i), seed, left);
-        at.meet(*this);
+        at.alive =
+            valid & !apply_roulette(roulette_by_throughput(settings_, before, eta_scale, left), p.key(i), seed, left);
+        at.intersect(*this);
         at.add_radiance(*this, left, sum);
-        const Mask goes_on = at.goes_on() & may_scatter(settings_, before + UInt(1u));
-        ended_.add(valid & !goes_on, p.pixel.load(i), p.reversed_index.load(i), sum);
-        keep(at, goes_on, before + UInt(1u), left, sum, eta_scale, p.key(i), p.pixel.load(i));
+        const Mask continues = at.continues() & may_scatter(settings_, before + UInt(1u));
+        ended_.add(valid & !continues, p.pixel.load(i), p.reversed_index.load(i), sum);
+        store_path(at, continues, before + UInt(1u), left, sum, eta_scale, p.key(i), p.pixel.load(i));
     }
 
     /// Stores the paths that continue in the pool of plain quads or in that of their closure.
     template <From from>
-    [[gnu::always_inline]] void keep(const Arrival<from>& at, Mask goes_on, UInt bounces, const Spectrum& left,
-                                     const Spectrum& sum, Float eta_scale, const SampleKey& key, UInt pixel)
+    [[gnu::always_inline]] void store_path(const NextHit<from>& at, Mask continues, UInt bounces, const Spectrum& left,
+                                           const Spectrum& sum, Float eta_scale, const SampleKey& key, UInt pixel)
     {
         if constexpr (all_plain) {
-            keep_in(plain_, plain_end_, at, goes_on, bounces, left, sum, eta_scale, key, pixel);
+            store_in(plain_, plain_end_, at, continues, bounces, left, sum, eta_scale, key, pixel);
         } else {
-            const Mask plain = goes_on & ((at.flags & UInt(QuadColumns::plain)) != UInt(0u));
-            keep_in(plain_, plain_end_, at, plain, bounces, left, sum, eta_scale, key, pixel);
+            const Mask plain = continues & ((at.flags & UInt(QuadColumns::plain)) != UInt(0u));
+            store_in(plain_, plain_end_, at, plain, bounces, left, sum, eta_scale, key, pixel);
             for (std::size_t k = 0; k < other_kinds_; ++k) {
-                OtherQuadPool& p = others_[k];
-                const Mask m = goes_on & !plain & ((at.flags >> QuadColumns::kind_shift) == UInt(p.kind));
+                ClosureQuadPool& p = others_[k];
+                const Mask m = continues & !plain & ((at.flags >> QuadColumns::kind_shift) == UInt(p.kind));
                 if (none(m)) continue;
                 p.direction.append(p.end, at.d, m), p.offset.append(p.end, at.offset(*this), m);
-                keep_in(p, p.end, at, m, bounces, left, sum, eta_scale, key, pixel);
+                store_in(p, p.end, at, m, bounces, left, sum, eta_scale, key, pixel);
             }
         }
     }
     template <From from>
-    [[gnu::always_inline]] void keep_in(QuadPool& p, std::size_t& end, const Arrival<from>& at, Mask m, UInt bounces,
-                                        const Spectrum& left, const Spectrum& sum, Float eta_scale,
-                                        const SampleKey& key, UInt pixel)
+    [[gnu::always_inline]] void store_in(QuadPool& p, std::size_t& end, const NextHit<from>& at, Mask m, UInt bounces,
+                                         const Spectrum& left, const Spectrum& sum, Float eta_scale,
+                                         const SampleKey& key, UInt pixel)
     {
-        at.keep_place(*this, p, bounces, m, end);
+        at.store_vertex(*this, p, bounces, m, end);
         p.throughput.append(end, left, m), p.radiance.append(end, sum, m);
         if (!all_plain && scene_.refracts) p.eta_scale.append(end, eta_scale, m);
         p.pixel_hash.append(end, key.pixel_hash, m), p.reversed_index.append(end, key.reversed_index, m);
@@ -238,7 +239,7 @@ private:
 
     /// Rays of a gang and their hits.
     template <From from>
-    struct Arrival {
+    struct NextHit {
         static constexpr bool from_camera = from == From::camera;
 
         Vec3 o, d;
@@ -253,7 +254,7 @@ private:
         Vec3 n{};
         Float facing{};  ///< positive on the side of the quad's normal
 
-        [[gnu::always_inline]] void meet(QuadTracer& tracer)
+        [[gnu::always_inline]] void intersect(QuadTracer& tracer)
         {
             const LaneScene& scene = tracer.scene_;
             tracer.counters_.count_rays(from_camera ? RayKind::camera : RayKind::bounce, std::uint64_t(count(alive)));
@@ -265,7 +266,7 @@ private:
             n = scene.quads.normal(quad);
             facing = -dot(d, n);
         }
-        Mask goes_on() const { return hits & ((flags & UInt(QuadColumns::scatters)) != UInt(0u)); }
+        Mask continues() const { return hits & ((flags & UInt(QuadColumns::scatters)) != UInt(0u)); }
 
         /// Adds the radiance that quads and the background emit toward the ray's origin, MIS-weighted against light
         /// sampling.
@@ -273,14 +274,14 @@ private:
         {
             const UInt shining_side =
                 select(facing > Float(0), UInt(QuadColumns::emits_front), UInt(QuadColumns::emits_back));
-            Mask shines = hits & ((flags & shining_side) != UInt(0u));
+            Mask emits = hits & ((flags & shining_side) != UInt(0u));
             if (!from_camera) {
                 // Unlit materials are visible to camera and mirror rays but do not illuminate other surfaces.
                 const Mask is_unlit = (flags & UInt(QuadColumns::unlit)) != UInt(0u);
-                shines &= !(from == From::other ? is_unlit & scattered : is_unlit);
+                emits &= !(from == From::other ? is_unlit & scattered : is_unlit);
             }
-            if (any(shines)) {
-                const Float weight = select(shines, emission_weight(tracer, shines), Float(0));
+            if (any(emits)) {
+                const Float weight = select(emits, emission_weight(tracer, emits), Float(0));
                 const Spectrum emitted = tracer.scene_.quads.emission(quad);
                 for (int c = 0; c < channels; ++c) sum.c[c] = fma(left.c[c] * emitted.c[c], weight, sum.c[c]);
             }
@@ -288,12 +289,12 @@ private:
                 sum = sum + left * background(tracer, d, pdf, misses, specular);
         }
 
-        [[gnu::always_inline]] Float emission_weight(const QuadTracer& tracer, Mask shines) const
+        [[gnu::always_inline]] Float emission_weight(const QuadTracer& tracer, Mask emits) const
         {
             if (from_camera || !tracer.lights_are_sampled_) return Float(1);
             const auto& lights = tracer.tables_.lights;
             const UInt light = tracer.scene_.quads.light(quad);
-            Mask shared = shines & (light != UInt(no_index));
+            Mask shared = emits & (light != UInt(no_index));
             if (from == From::other) shared &= !specular;
             if (lights.size() == 1) {
                 const LightReader<true> record(lights.data(), UInt(0u));
@@ -317,8 +318,8 @@ private:
         {
             return rounding_along(n, fma(d, t, o), d * t) + tracer.scene_.quads.rounding(quad);
         }
-        [[gnu::always_inline]] void keep_place(const QuadTracer& tracer, QuadPool& p, UInt bounces, Mask m,
-                                               std::size_t to) const
+        [[gnu::always_inline]] void store_vertex(const QuadTracer& tracer, QuadPool& p, UInt bounces, Mask m,
+                                                 std::size_t to) const
         {
             p.eye.append(to, fma(n, flip_sign(offset(tracer), facing), fma(d, t, o)), m);
             UInt place = quad | bounces << QuadPool::bounce_shift | (float_bits(facing) & UInt(QuadPool::back));
@@ -333,7 +334,7 @@ private:
     const LightSampler lights_;
     const CameraPaths camera_paths_;
     FirstHits first_hits_;
-    EndedPaths ended_;
+    FinishedPaths ended_;
     KernelCounters& counters_;
     StageClock clock_;
     const QuadClosures closures_;
@@ -343,7 +344,7 @@ private:
     QuadPool plain_;
     std::size_t plain_end_ = 0;  ///< slot of the next path
     std::size_t other_kinds_ = 0;
-    OtherQuadPool others_[all_plain ? 1 : closure_kind_count];
+    ClosureQuadPool others_[all_plain ? 1 : closure_kind_count];
 };
 
 }  // namespace FATHOM_LANES

@@ -34,7 +34,7 @@ struct QuadPool {
 };
 
 /// Paths on quads that are not plain, all of one ClosureKind.
-struct OtherQuadPool : QuadPool {
+struct ClosureQuadPool : QuadPool {
     std::uint32_t kind;
     std::size_t end;         ///< slot of the next path
     VectorColumn direction;  ///< direction along which the path arrived
