@@ -5,8 +5,8 @@
 #include <utility>
 #include <vector>
 
+#include "fathom/api.h"
 #include "fathom/description.h"
-#include "fathom/export.h"
 
 /// What changes in a scene as time goes by, as plain data that a reader fills beside its SceneDescription; and the
 /// scene's pose at a time, which SceneEdit takes.

@@ -5,7 +5,7 @@
 #include <optional>
 #include <string>
 
-#include "fathom/export.h"
+#include "fathom/api.h"
 #include "fathom/image.h"
 
 namespace fathom {

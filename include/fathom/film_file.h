@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "fathom/export.h"
+#include "fathom/api.h"
 #include "fathom/image.h"
 #include "fathom/render.h"
 

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "fathom/export.h"
+#include "fathom/api.h"
 #include "fathom/vector.h"
 
 namespace fathom {

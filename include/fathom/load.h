@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "fathom/api.h"
 #include "fathom/description.h"
-#include "fathom/export.h"
 
 namespace fathom {
 

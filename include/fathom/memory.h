@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "fathom/export.h"
+#include "fathom/api.h"
 #include "fathom/tree_build.h"
 
 namespace fathom {

@@ -2,7 +2,7 @@
 #include <memory>
 #include <string>
 
-#include "fathom/export.h"
+#include "fathom/api.h"
 
 namespace fathom {
 

@@ -8,9 +8,9 @@
 #include <utility>
 #include <vector>
 
+#include "fathom/api.h"
 #include "fathom/costs.h"
 #include "fathom/description.h"
-#include "fathom/export.h"
 #include "fathom/image.h"
 #include "fathom/load.h"
 #include "fathom/tree_build.h"

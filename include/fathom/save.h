@@ -1,8 +1,8 @@
 #pragma once
 #include <filesystem>
 
+#include "fathom/api.h"
 #include "fathom/description.h"
-#include "fathom/export.h"
 #include "fathom/load.h"
 
 namespace fathom {

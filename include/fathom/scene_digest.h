@@ -1,8 +1,8 @@
 #pragma once
 #include <string>
 
+#include "fathom/api.h"
 #include "fathom/description.h"
-#include "fathom/export.h"
 
 namespace fathom {
 

@@ -2,7 +2,7 @@
 #include <filesystem>
 #include <string_view>
 
-#include "fathom/export.h"
+#include "fathom/api.h"
 
 namespace fathom {
 

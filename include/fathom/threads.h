@@ -1,7 +1,7 @@
 #pragma once
 #include <memory>
 
-#include "fathom/export.h"
+#include "fathom/api.h"
 
 namespace fathom {
 

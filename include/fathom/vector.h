@@ -2,7 +2,7 @@
 #include <array>
 #include <cmath>
 
-#include "fathom/export.h"
+#include "fathom/api.h"
 
 namespace fathom {
 

@@ -6,8 +6,8 @@
 #include <memory>
 #include <vector>
 
+#include "fathom/api.h"
 #include "fathom/costs.h"
-#include "fathom/export.h"
 #include "fathom/tree_build.h"
 #include "film/tile_sums.h"
 #include "guiding/records.h"

@@ -8,7 +8,7 @@
 #include <memory>
 
 #include "distributed/mpi/module.h"
-#include "fathom/export.h"
+#include "fathom/api.h"
 
 namespace {
 
