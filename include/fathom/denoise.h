@@ -10,27 +10,36 @@
 
 namespace fathom {
 
-/// Open Image Denoise 2, opened at run time where it is there: Fathom neither contains nor needs it.
+/// Open Image Denoise 2 on the CPU. The library is opened at run time; Fathom neither contains nor requires it.
 class FATHOM_API Denoiser {
 public:
-    /// Opens the library: what the environment variable FATHOM_OIDN names (its file or folder); else the system's; else
-    /// that of Python's package pyoidn, beside the folders of PATH, in $VIRTUAL_ENV or ~/.local. Throws Error, which
-    /// says how to get it, if there is none, or none that this machine can run.
+    /// Opens the library. It is searched in this order:
     ///
-    /// threads  0: as many as there are; the picture doesn't depend on them
+    /// 1. the file or folder named by the environment variable FATHOM_OIDN, if set
+    /// 2. the system's library path
+    /// 3. the Python package pyoidn, in $VIRTUAL_ENV, next to the folders of PATH, and in ~/.local
+    ///
+    /// threads  Number of threads; 0 selects the library's default. It doesn't change the result.
+    ///
+    /// Throws Error, saying how to install it, if there is no library, or none that works on this machine.
     explicit Denoiser(int threads);
 
-    const std::string& version() const;         ///< "2.3.1"
-    const std::filesystem::path& file() const;  ///< as it was opened
+    /// Returns the version of the library, such as "2.3.1".
+    const std::string& version() const;
+    /// Returns the file name that the library was opened by.
+    const std::filesystem::path& file() const;
 
-    /// The picture (R, G, B of the first layer) without its noise, as a layer "denoised". The layers "albedo" and
-    /// "normal", where there are such, keep the edges of textures and surfaces sharp. This is biased, as every denoiser
-    /// is. Throws Error if the library fails.
+    /// Denoises the first layer of an image (its first three channels, linear radiance).
+    ///
+    /// The layers "albedo" and "normal", if present, preserve edges of textures and surfaces; they are denoised first.
+    /// Denoising is biased. Returns a layer "denoised" with channels R, G, B. Throws Error if the image has no three
+    /// channels or the library fails.
     Image::Layer denoise(const Image& image) const;
-    /// The same, for a picture that is soon to be another: a few times as fast and a little less clean, since albedo
-    /// and normal are taken with their noise. Nothing if `cancel` became true meanwhile.
+    /// Denoises a preview: several times as fast as denoise() and slightly less clean, because the library's balanced
+    /// quality is used and albedo and normal are not denoised first. Returns nothing if `cancel` became true meanwhile.
     std::optional<Image::Layer> denoise_quickly(const Image& image, const std::atomic<bool>& cancel) const;
-    /// Adds the layer that denoise() makes of it, and the attribute "fathom.denoiser", which names the library.
+    /// Appends the layer that denoise() returns, and sets the attribute "fathom.denoiser" to name and version of the
+    /// library.
     void add_to(Image& image) const;
 
 private:
@@ -38,8 +47,8 @@ private:
     std::shared_ptr<const Data> data_;
 };
 
-/// What formats of one layer show of it: the layer "denoised", if there is one, in the place of the first, whose alpha
-/// stays.
+/// Returns an image with the first layer only, for file formats that hold one layer. If there is a layer "denoised",
+/// its colors replace those of the first layer; alpha is kept.
 FATHOM_API Image display_image(const Image& image);
 
 }  // namespace fathom

@@ -8,10 +8,9 @@
 
 namespace fathom {
 
-/// A scene of which pictures are made in a row, with changes in between. compile() does again only what changes make
-/// necessary: what a node that is `movable` moves to, and what the vertices of a mesh that is `movable` become, costs
-/// its share, not that of the scene. Such things are traced through instances, which takes a little longer than what
-/// stands still.
+/// A scene that changes between images. compile() compiles only what has changed: the cost of moving a node with
+/// Node::movable, or the vertices of a mesh with Mesh::movable, depends on that node or mesh, not on the whole scene.
+/// Movable geometry is traced through instances, which takes slightly longer.
 ///
 ///     SceneEdit edit(description);
 ///     for (int frame = 0; frame < 100; ++frame) {
@@ -20,51 +19,71 @@ namespace fathom {
 ///         ...
 ///     }
 ///
-/// The scenes are those that Scene::compile makes of description(), bit for bit, as long as the camera that it began
-/// with stays where it is: numbers are relative to its place.
+/// The compiled scenes have the bits that Scene::compile() makes of description(), as long as the camera doesn't move
+/// and the extent of the scene stays about the same. Coordinates are relative to the first position of the camera, so
+/// other scenes may differ by rounding; compile_exactly() avoids that. A SceneEdit belongs to one thread at a time.
 class FATHOM_API SceneEdit {
 public:
-    /// camera: as in Scene::compile.
+    /// Takes over a description. Nothing is compiled yet.
+    ///
+    /// scene   The description.
+    /// camera  Name of the camera that scenes are compiled for; empty selects the first one.
+    /// build   How BVHs are built.
     explicit SceneEdit(SceneDescription scene, std::string camera = {}, TreeBuild build = TreeBuild::standard);
+    /// Moves the scene; the source may only be assigned to or destroyed afterwards.
     SceneEdit(SceneEdit&&) noexcept;
+    /// Moves the scene; the source may only be assigned to or destroyed afterwards.
     SceneEdit& operator=(SceneEdit&&) noexcept;
     ~SceneEdit();
 
+    /// Returns the description with all changes so far.
     const SceneDescription& description() const;
-    /// The name of the camera that scenes are compiled for, as the constructor got it.
+    /// Returns the name of the camera that scenes are compiled for, as passed to the constructor.
     const std::string& camera() const;
 
-    // Indices are those of the description. What an edit brings is checked by compile(); an index out of range is a
-    // std::out_of_range at once.
+    // Indices are those of the description. All setters throw std::out_of_range if an index is out of range, and leave
+    // other checks to compile().
 
-    /// Also of a node that is not movable: then all is compiled anew.
+    /// Sets Node::parent_from_node. Unless the node is movable, the next compile() compiles the whole scene.
     void set_transform(int node, const Transform& parent_from_node);
-    /// Node::motion.
+    /// Sets Node::motion. Unless the node is movable, the next compile() compiles the whole scene.
     void set_motion(int node, std::vector<NodeKey> keys);
-    /// As many vertices as the mesh has, or all is compiled anew; tangents empty: as they are.
+    /// Sets vertices of a mesh. Unless the mesh is movable and keeps its number of vertices, the next compile()
+    /// compiles the whole scene.
+    ///
+    /// positions  One for each vertex, in the space of the mesh.
+    /// normals    As many, or empty if the mesh has none.
+    /// tangents   As many; empty keeps the current ones.
     void set_vertices(int mesh, std::vector<Vec3f> positions, std::vector<Vec3f> normals,
                       std::vector<Vec4f> tangents = {});
-    /// Mesh::motion.
+    /// Sets Mesh::motion. Unless the mesh is movable, the next compile() compiles the whole scene.
     void set_vertex_motion(int mesh, std::vector<MeshKey> keys);
+    /// Replaces a material.
     void set_material(int material, const Material& material_now);
+    /// Replaces a light. If that changes its image, the next compile() compiles the whole scene.
     void set_light(int light, const Light& light_now);
+    /// Replaces the environment. If that changes its images, the next compile() compiles the whole scene.
     void set_environment(const Environment& environment);
+    /// Replaces a camera.
     void set_camera(int camera, const Camera& camera_now);
-    /// Of all cameras, in seconds.
+    /// Sets the times in seconds at which the shutters of all cameras open and close.
     void set_shutter(double open, double close);
-    /// All of a pose at once.
+    /// Applies a pose of an animation.
     void set_pose(AnimationPose pose);
-    /// For any other change: the next compile() makes the whole scene anew.
+    /// Returns the description for any other change. The next compile() compiles the whole scene.
     SceneDescription& change();
 
-    /// The scene as it is now. Throws Error as Scene::compile; the description keeps what was wrong, to be set again.
-    /// While somebody else still has the scene of the last call, or a job of it, all is compiled anew: that one never
-    /// changes.
+    /// Compiles the current state of the scene.
+    ///
+    /// warnings  Receives problems that leave a usable scene.
+    ///
+    /// Scenes never change: while the result of the previous call, or a job of it, still exists, the whole scene is
+    /// compiled. Throws Error as Scene::compile(); the description then keeps the invalid values and can be corrected.
     Scene compile(Warnings& warnings);
-    /// The same, with the bits of Scene::compile also if the camera has moved, or the scene grown or shrunk so much
-    /// that its numbers would be rounded otherwise: then all is compiled anew.
+    /// Compiles the current state to the exact bits of Scene::compile(). It compiles the whole scene if the camera has
+    /// moved, or if the extent of the scene has changed so much that coordinates would be rounded differently.
     Scene compile_exactly(Warnings& warnings);
-    /// Whether the last compile() made the whole scene.
+    /// Returns whether the last compilation compiled the whole scene.
     bool recompiled() const;
 
 private:

@@ -8,57 +8,81 @@
 
 namespace fathom {
 
-/// What a small picture shows of how a scene is lit: of surfaces, lamps in view and the background left out.
+/// Statistics of a small test image that tell how well a scene is lit. Pixels that show the background are excluded,
+/// and so is the emission of surfaces that the camera sees directly.
 struct FATHOM_API FirstLook {
-    double covered = 0;  ///< share of the picture that shows surfaces
-    double lit = 0;      ///< share of these that are not nearly black beside the brightest
-    double middle = 0;   ///< luminance of those that are lit: the median
-    double bright = 0;   ///< and what one in twenty is above
+    double covered = 0;  ///< Fraction of the pixels that show surfaces, 0 to 1.
+    double lit = 0;      ///< Fraction of the covered pixels with a luminance above 2 % of `bright`, 0 to 1.
+    double middle = 0;   ///< Median luminance of the lit pixels.
+    double bright = 0;   ///< 95th percentile of the luminance of all pixels that show surfaces.
 
-    /// Stops that bring what is lit to a middling brightness, and leave little above white.
+    /// Returns the exposure, in stops, that brings the median to 0.22 and the 95th percentile to at most 1; 0 if
+    /// nothing is lit.
     double exposure_ev() const;
 };
 
-/// Renders 64 pixels across at a few samples: a few hundredths of a second.
-/// aspect: width / height of the picture that is to come.
+/// Renders a test image of 64 pixels across with 16 samples per pixel and at most 4 scattering events, which takes a
+/// few hundredths of a second.
+///
+/// scene   Seen by the camera that it was compiled for.
+/// aspect  Width / height of the final image.
 FATHOM_API FirstLook first_look(const Scene& scene, double aspect);
 
 /// Which light a scene is rendered in.
 enum class LightChoice {
-    automatic,  ///< the file's, and where that leaves what is seen in the dark a studio's beside it
-    file,       ///< only what the file says, also if it is nothing
-    studio,     ///< a studio instead of the file's environment and lamps without a surface
+    automatic,  ///< The file's light, plus a studio if it leaves most of the image dark.
+    file,       ///< Only the file's light, even if there is none.
+    studio,     ///< A studio instead of the environment and the lights without a surface. Emissive surfaces remain.
 };
 
-/// What models that a studio lights are best seen before.
+/// Recommended color of the background behind models in studio light, linear Rec.709.
 inline constexpr Color studio_backdrop{0.55f, 0.55f, 0.55f};
 
-/// A floor under the lowest point of a scene, a disk that fades out with the distance: it catches shadows.
+/// A horizontal disk below the lowest point of a scene, which shows shadows and fades out towards its edge.
 struct Ground {
-    /// Its reflectance; none: under a studio's light it looks as the backdrop where no shadow falls, else it is grey.
+    /// Reflectance, linear Rec.709. Empty: in studio light the ground has the brightness of `backdrop` where no shadow
+    /// falls; in other light it is gray (0.5).
     std::optional<Color> color;
-    Color backdrop = studio_backdrop;
-    /// Only where a model has no light but a studio's, and the camera sees it from outside and the ground from above.
+    Color backdrop = studio_backdrop;  ///< Color of the background that the ground blends into, linear Rec.709.
+    /// Adds the ground only if the studio is the model's only light, and the camera is outside the model and above the
+    /// ground.
     bool only_where_it_fits = true;
-    std::optional<Bounds> bounds;  ///< of what is shown in all pictures; else the scene as it is
+    /// World-space box of what all images of a sequence show; empty: of the scene as it is.
+    std::optional<Bounds> bounds;
 };
 
+/// A compiled scene and what was added to light it.
 struct AutoLitScene {
-    Scene scene;
-    std::vector<std::string> added;  ///< in words: "a studio light, since ...", "an exposure of +2 stops for its light"
-    std::optional<double> exposure_ev;  ///< found for the light of the file; else its own, or none
-    bool studio = false;
-    bool ground = false;
-    bool backdrop = false;  ///< it is best seen before something light
+    Scene scene;  ///< The compiled scene.
+    /// Descriptions of what was added, for people: "a studio light", "an exposure of +2 stops for its light ...".
+    std::vector<std::string> added;
+    /// Exposure in stops for the file's light, in steps of 0.5; empty if the scene should be shown with its own
+    /// exposure.
+    std::optional<double> exposure_ev;
+    bool studio = false;    ///< A studio was added.
+    bool ground = false;    ///< A ground was added.
+    bool backdrop = false;  ///< A light background such as studio_backdrop is recommended.
 };
 
-/// Compiles a scene so that there is light to see it by: for models, whose files often have none, or none that reaches
-/// what they show.
+/// Compiles a scene so that it is visible. It is meant for models, whose files often contain no light, or light that
+/// doesn't reach what the camera sees.
+///
+/// scene     What to compile; it must have a camera (see complete_scene()).
+/// camera    As in Scene::compile().
+/// light     Which light to use. With `automatic`, first_look() decides: a studio is added if less than 40 % of the
+///           surfaces in view are lit, unless RenderHints::own_light is set.
+/// aspect    Width / height of the final image.
+/// warnings  As in Scene::compile(). Also receives a warning if glass blocks much light of point-like lights.
+/// build     As in Scene::compile().
+/// ground    Ground to add; empty: none.
+///
+/// Throws Error as Scene::compile().
 FATHOM_API AutoLitScene compile_lit(SceneDescription scene, const std::string& camera, LightChoice light, double aspect,
                                     Warnings& warnings, TreeBuild build = TreeBuild::standard,
                                     const std::optional<Ground>& ground = {});
 
-/// The same for a scene that goes on to change: it keeps the light that is found now.
+/// Compiles a scene that will change as compile_lit() above does, and adds light and ground to the description of
+/// `edit`, so that later scenes keep them.
 FATHOM_API AutoLitScene compile_lit(SceneEdit& edit, LightChoice light, double aspect, Warnings& warnings,
                                     const std::optional<Ground>& ground = {});
 

@@ -11,29 +11,37 @@ namespace fathom {
 
 struct SceneDescription;
 
-/// Bytes that this process can still take without swapping or being killed: what the machine has free, limited by the
-/// process's own limits, its container's, and limit_memory. The largest number if that can't be known.
+/// Returns the bytes that this process can still allocate without swapping or being killed: the free memory of the
+/// machine, limited by the process's resource limits, its control groups and limit_memory(). Returns the largest number
+/// if it is unknown.
 FATHOM_API std::uint64_t available_memory_bytes();
-/// The same in words, to end a message with: `1.5 GB are there`, or, where limit_memory leaves less, what it allows.
+/// Returns available_memory_bytes() as the end of an error message, such as `1.5 GB are there`. If limit_memory() is
+/// what limits it, the text names that limit instead.
 FATHOM_API std::string available_memory_text();
 
-/// From now on this process takes no more memory than this, what it has taken already counted. What would need more is
-/// refused by an Error that names `said_by`; nothing is taken away from libraries that don't ask.
+/// Limits the memory of the process, including what it has allocated already. The library checks the limit before large
+/// allocations and throws an Error; it does not control allocations of other libraries.
+///
+/// bytes    The limit.
+/// said_by  Where the limit comes from, for messages, such as an option; must not be empty.
 FATHOM_API void limit_memory(std::uint64_t bytes, std::string said_by);
 
-/// Something that is going to take memory.
+/// Memory that one part of a task is expected to take.
 struct MemoryEstimate {
-    std::string what;
-    double bytes = 0;
+    std::string what;  ///< The part, such as "triangles" or "textures".
+    double bytes = 0;  ///< Bytes at the peak.
 };
-/// What compiling a scene takes at its peak and what the scene then is, by a look at the description and at the heads
-/// of the picture files. Rather too much than too little; not counted is what displacement adds. The scene must be one
-/// that Scene::compile accepts.
+/// Estimates the memory that compiling a scene takes at its peak, from the description and the headers of its image
+/// files.
+///
+/// Estimates err on the high side. Displaced geometry is not included, because its size is unknown before compilation.
+/// Throws Error for a scene that Scene::compile would not accept.
 FATHOM_API std::vector<MemoryEstimate> estimate_memory(const SceneDescription& scene, TreeBuild build);
-/// Throws Error, naming `file` and the largest takers, if there is less memory than all of that needs.
+/// Throws Error if the sum of `needs` exceeds the available memory or the limit. The message begins with `file` and
+/// names the largest parts.
 FATHOM_API void check_memory(const std::string& file, std::vector<MemoryEstimate> needs);
 
-/// `1.5 GB`, `512 MB`: powers of 1000, as options and messages have them.
+/// Formats bytes with decimal prefixes, such as `512 MB` or `1.5 GB`.
 FATHOM_API std::string memory_text(double bytes);
 
 }  // namespace fathom

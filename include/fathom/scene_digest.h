@@ -6,12 +6,16 @@
 
 namespace fathom {
 
-/// Digests of a scene's materials and textures, value by value, and of its cameras, lights and environment, by name:
-/// kept with a render, they tell later in what another scene differs. A line a part; of the largest scenes the first
-/// some thousand.
+/// Returns digests of a scene's environment, cameras, lights, materials and textures as text: a line for each object,
+/// with its name and a hash of each parameter.
+///
+/// A film file stores the text; scene_digest_difference() then tells which objects of another scene differ. The text
+/// ends after about one million characters. Geometry is not included.
 FATHOM_API std::string scene_digest(const SceneDescription& scene);
 
-/// In what two such texts differ: "material 'wall': color; light 'lamp' is new". Empty where they don't.
+/// Compares two results of scene_digest() and returns the differences as a phrase for messages, such as
+/// `material 'wall': color; light 'lamp' is new`. It names up to four objects. Returns an empty string if the texts are
+/// equal.
 FATHOM_API std::string scene_digest_difference(const std::string& before, const std::string& now);
 
 }  // namespace fathom

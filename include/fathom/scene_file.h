@@ -9,21 +9,27 @@
 
 namespace fathom {
 
-/// A scene, and what else its file has to choose from.
+/// Everything that load_scene_file() reads from a file.
 struct SceneFile {
-    SceneDescription scene;           ///< at rest
-    std::string format;               ///< its name, as people write it
-    std::vector<std::string> scenes;  ///< names, or numbers where they have none
-    std::vector<std::string> variants;
-    AnimationRig rig;
+    SceneDescription scene;             ///< The selected scene, at rest.
+    std::string format;                 ///< Name of the file format, such as "glTF".
+    std::vector<std::string> scenes;    ///< Names of the scenes in the file (glTF), or numbers if they have no names.
+    std::vector<std::string> variants;  ///< Names of the material variants in the file (glTF).
+    AnimationRig rig;                   ///< Animations of the scene, and the nodes and meshes that they move.
 };
-/// As load_scene, which gives the scene alone.
+/// Reads a scene as load_scene() does, with its animations and the choices that the file offers. Throws Error as
+/// load_scene().
 FATHOM_API SceneFile load_scene_file(const std::filesystem::path& file, const LoadOptions& options, Warnings& warnings);
 
-/// The animation of that name or number; empty: the first. Throws Error, naming those there are, if there is none.
+/// Returns the index of an animation in SceneFile::rig.
+///
+/// wanted  Name or number of the animation; empty selects the first one.
+///
+/// Throws Error, listing the animations, if there is none of that name, or none at all.
 FATHOM_API std::size_t find_animation(const SceneFile& file, const std::string& wanted);
 
-/// Around all that an animation shows from its beginning to its end.
+/// Returns a world-space box around all geometry at 25 equally spaced times of an animation. The box of the motion in
+/// between can be slightly larger.
 FATHOM_API Bounds world_bounds(SceneDescription scene, const AnimationPlayer& player);
 
 }  // namespace fathom

@@ -6,7 +6,8 @@
 
 namespace fathom {
 
-/// Writes a file whole or not at all, as pictures are: beside its place, then renamed. Throws Error naming the file.
+/// Writes a file atomically: to a temporary file in the same folder, which is synced and then renamed. Throws Error
+/// naming `file` if that fails; an earlier file then remains.
 FATHOM_API void write_text_file(const std::filesystem::path& file, std::string_view text);
 
 }  // namespace fathom

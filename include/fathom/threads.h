@@ -5,19 +5,24 @@
 
 namespace fathom {
 
-/// Threads that this process makes good use of: one for each core that it may run on, no more than its container may
-/// use the time of. What `threads = 0` means.
+/// Returns the number of threads that this process can use well: the cores in its affinity mask, limited by the CPU
+/// quota of its control groups; at least 1. Functions with a parameter `threads` use this number if it is 0.
 FATHOM_API int available_threads();
 
-/// As long as it lives, nothing in this process takes more threads than these: neither reading files nor building trees
-/// nor rendering.
+/// Limits the threads of the whole process during its lifetime: reading files, building BVHs and rendering.
 class FATHOM_API ThreadLimit {
 public:
-    /// threads  0: available_threads(). Fewer if the system does not let so many, and two for other work, be started.
+    /// Sets the limit.
+    ///
+    /// threads  Maximum number of threads; 0 selects available_threads(). The limit is lower if the system can't start
+    ///          that many threads and two more for progress and checkpoints.
     explicit ThreadLimit(int threads);
+    /// Moves the limit to a new owner.
     ThreadLimit(ThreadLimit&&) noexcept;
+    /// Ends the limit.
     ~ThreadLimit();
 
+    /// Returns the limit in effect.
     int threads() const { return threads_; }
 
 private:

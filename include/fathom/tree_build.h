@@ -2,14 +2,14 @@
 
 namespace fathom {
 
-/// How the tree that rays walk through is built. The hits, and so the pictures, are the same.
-///
-/// fast      by Morton codes: previews of large scenes
-/// standard  by the surface area heuristic
-/// high      the same with large triangles cut in pieces where that is better, and the whole tree improved: takes
-///           longer and more memory, casts rays faster
-/// compact   the standard tree, whose leaves hold each vertex once: for scenes of tens of millions of triangles, which
-///           else take a third more memory
-enum class TreeBuild { fast, standard, high, compact };
+/// How the BVH is built. All of them give the same intersections, and so the same image.
+enum class TreeBuild {
+    fast,      ///< Sorts primitives by Morton codes. For previews of large scenes: quick to build, slower to trace.
+    standard,  ///< Splits by the surface area heuristic.
+    high,      ///< As standard, with spatial splits of large triangles and a subsequent optimization of the whole tree.
+               ///< It takes more time and memory to build and is faster to trace.
+    compact  ///< As standard, with leaves that store shared vertices once. It takes a third less memory, for scenes of
+             ///< tens of millions of triangles.
+};
 
 }  // namespace fathom
