@@ -16,7 +16,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// A folder that stands for the root of a file system.
+/// Root of a fake file system with the files of /proc and /sys that machine limits are read from.
 class Machine : public ::testing::Test {
 protected:
     void SetUp() override
@@ -51,7 +51,7 @@ TEST_F(Machine, MemoryOfTheProcessesOwnGroup)
     write(group / "memory.max", "3000000000\n");
     write(group / "memory.current", "2500000000\n");
     EXPECT_EQ(memory_left(root_), gigabyte / 2);
-    // What is only cache gives way.
+    // The kernel reclaims inactive page cache, so it counts as free memory.
     write(group / "memory.stat", "anon 1000\ninactive_file 1500000000\nactive_file 7\n");
     EXPECT_EQ(memory_left(root_), 2 * gigabyte);
     write(group / "memory.current", "9000000000\n");
@@ -70,7 +70,7 @@ TEST_F(Machine, AGroupAboveMayHaveLess)
 
 TEST_F(Machine, AContainerSeesItsGroupAsTheRoot)
 {
-    // The path that the process is told may be the one outside.
+    // Inside a container, /proc/self/cgroup may name a path that exists only outside of it.
     for (const char* path : {"0::/\n", "0::/docker/abc\n", "0::/../other\n", ""}) {
         write("proc/self/cgroup", path);
         write("sys/fs/cgroup/memory.max", "1000000000\n");
@@ -83,7 +83,7 @@ TEST_F(Machine, AContainerSeesItsGroupAsTheRoot)
 
 TEST_F(Machine, ADeepGroupIsLimitedByAnyAboveIt)
 {
-    // As schedulers nest them: what a job may take is said two or three floors above its step.
+    // Slurm nests control groups: the limit of a job is set two or three levels above the group of its step.
     const fs::path top = "sys/fs/cgroup/system.slice/slurmstepd.scope", job = top / "job_7";
     write("proc/self/cgroup", "0::/system.slice/slurmstepd.scope/job_7/step_0/user/task_0\n");
     write(job / "step_0/user/task_0/memory.current", "100\n");
@@ -144,7 +144,7 @@ TEST_F(Machine, CoresOfGroups)
     write("proc/self/cgroup", "0::/a/b\n");
     write("sys/fs/cgroup/a/cpu.max", "max 100000\n");
     EXPECT_GE(usable_cores(root_), 2);
-    // 1.1, 1.5: what is more than one core keeps two busy for a part of the time.
+    // Quotas of 1.1 and 1.5 cores round up to two: the part above one core keeps a second thread busy some of the time.
     for (const char* quota : {"110000 100000\n", "150000 100000\n"}) {
         write("sys/fs/cgroup/a/cpu.max", quota);
         EXPECT_EQ(usable_cores(root_), 2);

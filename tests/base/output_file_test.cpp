@@ -19,17 +19,17 @@
 
 namespace {
 
-/// Instead of chance, if it is set.
+/// Replaces the random part of temporary names, if set.
 const std::uint64_t* foreseen = nullptr;
-/// As on NFS.
+/// Simulates file systems without O_TMPFILE, such as NFS.
 bool without_nameless_files = false;
 
-/// What was synced, in order: the sizes of files, and -1 for a folder.
+/// Arguments of fsync in order: the size of each file, and -1 for a folder.
 std::vector<off_t> synced;
 
 }  // namespace
 
-/// Instead of the C library's.
+/// Overrides the C library's fsync to record what was synced.
 extern "C" int fsync(int descriptor)
 {
     struct stat status{};
@@ -155,7 +155,7 @@ TEST(WriteImage, KeepsWhoMayReadTheFile)
 
 TEST(WriteImage, KeepsTheEarlierFileWhenTheDiskIsFull)
 {
-    // A limit on the size of files stands for a full disk: write() fails in the same places.
+    // A limit on the size of files simulates a full disk: write() fails at the same places.
     const TemporaryFolder folder;
     for (const char* name : {"a.exr", "a.png", "a.jpg", "a.webp", "a.avif", "a.hdr"}) {
         const fs::path file = folder.path() / name;
@@ -232,7 +232,7 @@ std::string text_of(const fs::path& path)
     return {bytes.begin(), bytes.end()};
 }
 
-/// Files as on a system without nameless ones, and with.
+/// Runs each test with O_TMPFILE and without it.
 class Names : public ::testing::TestWithParam<bool> {
 protected:
     Names() { without_nameless_files = GetParam(); }
@@ -290,7 +290,7 @@ TEST(OutputFile, TemporaryNamesCanNotBeForeseen)
     EXPECT_EQ(folder.files(), 0u);
 }
 
-/// A folder that others may write to, and links there of another user.
+/// A world-writable folder with symbolic links planted by another user.
 class SharedFolder : public ::testing::Test {
 protected:
     void SetUp() override
@@ -333,8 +333,8 @@ TEST_F(SharedFolder, AnotherUsersLinkIsRefused)
 
 TEST_F(SharedFolder, OtherLinksAreFollowed)
 {
-    // One's own; one that leads into the shared folder through a link that nobody else could make; the folder's
-    // owner's.
+    // Links are followed if the user owns them, if nobody else can write to their folder, or if their owner owns the
+    // folder.
     fs::create_symlink(own_ / "victim", shared_ / "a");
     EXPECT_EQ(refusal(shared_ / "a"), "");
     EXPECT_EQ(text_of(own_ / "victim"), "new");

@@ -6,11 +6,11 @@
 #include "fathom/error.h"
 #include "fathom/render.h"
 
-// Numbers that are finite and far too large.
+// Numbers that are finite but too large to render.
 namespace fathom {
 namespace {
 
-/// A sphere in a node, a mesh in another that is placed often, a camera that sees them.
+/// A sphere in a node, a mesh in a node with several instances, and a camera that sees both.
 SceneDescription small_scene()
 {
     SceneDescription scene;
@@ -90,7 +90,7 @@ TEST(CheckSizes, Cameras)
         "nearer to 0");
     EXPECT_EQ(error([](Camera& c) { c.look_at = c.position; }), "camera 'main': it looks at where it stands");
     EXPECT_EQ(error([](Camera& c) { c.up = {0, 0, 0}; }), "camera 'main': 'up' is no direction");
-    // Far is not too far.
+    // Large distances and late shutter times alone are valid.
     EXPECT_EQ(error([](Camera& c) { c.look_at = {0, 0, -1e8}; }), "rendered");
     EXPECT_EQ(error([](Camera& c) { c.shutter_open = 1e6, c.shutter_close = 1e6 + 1; }), "rendered");
 }
@@ -105,7 +105,7 @@ TEST(CheckSizes, Nodes)
         EXPECT_EQ(moved(2, -huge).rfind("nodes[2]: puts its shape 1", 0), 0u) << moved(2, -huge);
     }
     EXPECT_EQ(moved(0, 1e6), "rendered");
-    // Products of transforms overflow where none of them does.
+    // Products of transforms overflow although none of the factors does.
     EXPECT_EQ(error_of([](SceneDescription& scene) {
                   Node above;
                   above.children = {0};

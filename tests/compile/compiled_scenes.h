@@ -1,5 +1,5 @@
 #pragma once
-// Descriptions whose tables are looked at, and their tables.
+// Builds small scene descriptions and compiles them to tables for inspection.
 #include "compile/scene_data.h"
 #include "support/placed_light.h"
 

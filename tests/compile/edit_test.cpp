@@ -10,8 +10,8 @@
 #include "compile/scene_data.h"
 #include "fathom/error.h"
 
-// Whatever was changed one after the other, the scene is that of the description as it then is: compared with compiling
-// it from nothing, by its tables' fingerprint and by all bits of a picture.
+// After any sequence of edits the scene equals the one compiled from the current description: tables are compared by
+// fingerprint, images bit by bit.
 namespace fathom {
 namespace {
 
@@ -26,7 +26,7 @@ std::vector<std::uint32_t> picture(const Scene& scene, std::vector<Aov> aovs = {
     return film.sums().words;
 }
 
-/// A tetrahedron with normals.
+/// A tetrahedron with vertex normals.
 Mesh tetrahedron(double size)
 {
     Mesh mesh;
@@ -48,8 +48,8 @@ int add_node(SceneDescription& d, Shape shape, const Transform& place, bool mova
     return d.roots.back();
 }
 
-/// What stands still: a floor, balls, meshes placed often enough to be instances. What may move: one of each kind of
-/// shape, one of them a lamp, and a lamp of a node. A mesh whose vertices may.
+/// Static: a floor, spheres, meshes with enough copies to become instances. Movable: one shape of each kind, one of
+/// them emissive, and a node with a light. Editable vertices: one mesh.
 class Room {
 public:
     SceneDescription d;
@@ -145,7 +145,7 @@ TEST_F(Editing, FirstSceneIsTheCompiledOne)
     expect_as_compiled(edit, false);
 }
 
-/// Also what is no lamp.
+/// The fingerprint includes the positions of shapes that are not lights.
 TEST_F(Editing, FingerprintTellsWhereThingsAre)
 {
     const Room room;
@@ -171,12 +171,12 @@ TEST_F(Editing, PlacesChange)
     }
     EXPECT_NE(picture(edit.compile(warnings)), before);
     EXPECT_NE(edit.compile(warnings).fingerprint(), fingerprint);
-    // Back to where it was.
+    // All nodes return to their first transforms.
     for (const int node : room.movable) edit.set_transform(node, room.d.nodes[std::size_t(node)].parent_from_node);
     EXPECT_EQ(picture(edit.compile(warnings)), before);
 }
 
-/// A thing may be gone for a while.
+/// A shape can be removed and added again.
 TEST_F(Editing, WhatVanishesComesBack)
 {
     Room room;
@@ -195,7 +195,7 @@ TEST_F(Editing, VerticesChange)
     const Room room;
     SceneEdit edit(room.d);
     edit.compile(warnings);
-    // So often that what meshes were before must be cleared away.
+    // After enough edits the storage of earlier versions of the mesh must be compacted.
     for (int step = 1; step <= 2000; ++step) {
         Mesh mesh = tetrahedron(0.7);
         for (Vec3f& p : mesh.positions) p.x *= 1 + 0.001f * float(step);
@@ -241,7 +241,7 @@ TEST_F(Editing, MotionAndShutterChange)
     expect_as_compiled(edit, false);
 }
 
-/// Of what moves besides, that which can't be edited stands between its keys at other times then.
+/// If an edit changes the times of all keys, moving geometry that is not editable is resampled at the new times.
 TEST_F(Editing, KeysAtOtherTimesBesideOthers)
 {
     for (const bool curves : {false, true}) {
@@ -281,7 +281,7 @@ TEST_F(Editing, KeysAtOtherTimesBesideOthers)
         expect_as_compiled(edit, true);
         edit.set_vertex_motion(room.soft, keys(0.75));
         expect_as_compiled(edit, true);
-        // Of other keys at the same times only the mesh itself is made again.
+        // If an edit changes keys but not their times, only the edited mesh is rebuilt.
         std::vector<MeshKey> other = keys(0.75);
         for (Vec3f& p : other[1].positions) p.z += 1;
         edit.set_vertex_motion(room.soft, other);
@@ -291,7 +291,8 @@ TEST_F(Editing, KeysAtOtherTimesBesideOthers)
     }
 }
 
-/// Moments, in which nothing moves, are of other poses at other times, also of what can't be edited.
+/// If the shutter opens for an instant, nothing moves: another instant shows other poses, also of geometry that is not
+/// editable.
 TEST_F(Editing, MomentsOfWhatIsNotMovable)
 {
     for (const bool node_moves : {false, true}) {
@@ -348,13 +349,12 @@ TEST_F(Editing, MaterialsLightsAndSkyChange)
     }
 }
 
-/// What was not said to be movable costs the whole scene, and is right.
-/// What moves to where the scene has another size, or with the camera: bits are those of compiling anew, which is done
-/// where it must be.
+/// Edits of nodes that were not declared movable compile the whole scene. Edits that change the scene's size or move
+/// the camera compile it anew where needed: the bits are always those of a fresh compilation.
 TEST_F(Editing, PosesAreExact)
 {
     Room room;
-    // A light whose share of the samples depends on the scene's size.
+    // A light whose selection probability depends on the size of the scene.
     Light sun;
     sun.kind = LightKind::directional;
     room.d.lights.push_back(sun);
@@ -378,7 +378,7 @@ TEST_F(Editing, PosesAreExact)
     pose.meshes[0].normals.assign(4, {0, 0, 1});
     pose.numbers = {{AnimatedValue::base_color, 1, {0.9f, 0.1f, 0.2f, 1}}, {AnimatedValue::intensity, 0, {5, 0, 9, 0}}};
     expect_exact(pose, false);
-    // A little larger: the same scale, another radius.
+    // A slightly larger scene keeps the scale of render space but has another radius.
     pose.nodes[0].second = Transform::translate({-3, 1, -26});
     expect_exact(pose, false);
     pose.nodes[0].second = Transform::translate({-300, 1, 0});
@@ -386,11 +386,11 @@ TEST_F(Editing, PosesAreExact)
     expect_exact(pose, false);
     pose.nodes.emplace_back(0, Transform::translate({0.5, 0, 0}));
     expect_exact(pose, true);
-    // Texture coordinates move too.
+    // Texture coordinates are edited too.
     pose.meshes[0].uvs[0] = {{0, 0}, {1, 0}, {0, 1}, {0.5f, 2}};
     expect_exact(pose, true);
     pose.meshes[0].uvs[0].clear();
-    // What vanishes, and comes back.
+    // A node's contents are removed and restored.
     const Node seen = edit.description().nodes[std::size_t(room.movable[0])];
     pose.contents = {{room.movable[0], Node{}}};
     expect_exact(pose, true);
@@ -417,7 +417,7 @@ TEST_F(Editing, OtherChangesCompileAll)
     expect_as_compiled(edit, true);
 }
 
-/// A scene that somebody has never changes.
+/// A compiled scene that is still in use is never modified by later edits.
 TEST_F(Editing, ScenesInUseStayAsTheyAre)
 {
     const Room room;

@@ -20,7 +20,7 @@ double of(const std::vector<MemoryEstimate>& needs, const std::string& what)
     return -1;
 }
 
-/// A fan of triangles around the origin.
+/// A triangle fan around the origin.
 Mesh fan(std::uint32_t triangles)
 {
     Mesh mesh;
@@ -31,7 +31,7 @@ Mesh fan(std::uint32_t triangles)
     return mesh;
 }
 
-/// Nodes that each have `children` of the next, the last of which has the mesh.
+/// A chain of nodes, each with `children` copies of the next one; the last node has the mesh.
 SceneDescription nested(const Mesh& mesh, int depth, int children, const Material& material = {})
 {
     SceneDescription scene;
@@ -59,7 +59,7 @@ TEST(MemoryNeeds, APlacedMeshIsCountedOnceUnlessItIsSmall)
 {
     const double alone = of(estimate_memory(nested(fan(1000), 1, 0), TreeBuild::standard), "triangles");
     EXPECT_GT(alone, 1000 * 100.0);
-    // Three in each of three: nine places. As an instance, and as nine copies.
+    // Three copies of three copies make nine: stored once if instanced, nine times if flattened.
     EXPECT_EQ(of(estimate_memory(nested(fan(1000), 3, 3), TreeBuild::standard), "triangles"), alone);
     const double small = of(estimate_memory(nested(fan(10), 1, 0), TreeBuild::standard), "triangles");
     EXPECT_EQ(of(estimate_memory(nested(fan(10), 3, 3), TreeBuild::standard), "triangles"), 9 * small);
@@ -118,7 +118,7 @@ TEST_F(PictureFile, TexelsAreThoseOfTheFilesHead)
 {
     write(8);
     EXPECT_EQ(textures({ColorSpace::srgb}), 40 * 30 * 4);
-    // Used twice in one way they are there once.
+    // An image used twice in the same way is stored once.
     EXPECT_EQ(textures({ColorSpace::srgb, ColorSpace::srgb}), 40 * 30 * 4);
     EXPECT_EQ(textures({ColorSpace::srgb, ColorSpace::linear}), 2 * 40 * 30 * 4);
     write(16);
@@ -131,7 +131,7 @@ TEST_F(PictureFile, OneThatIsNotThereTakesNothing)
     EXPECT_EQ(textures({ColorSpace::srgb}), 0);
 }
 
-/// Undoes limit_memory.
+/// Removes the memory limit at the end of a test.
 class Limited {
 public:
     explicit Limited(std::uint64_t bytes) { limit_memory(bytes, "--memory"); }
@@ -162,7 +162,7 @@ TEST(MemoryLimit, WhatIsTakenCounts)
         EXPECT_LT(available_memory_bytes(), 2 * more);
         EXPECT_THROW(check_memory("a.json", {{"film", 2e8}}), Error);
     }
-    // All that is resident now is more than that.
+    // The resident memory already exceeds the limit.
     const Limited limit(1000000);
     EXPECT_EQ(available_memory_bytes(), 0u);
     EXPECT_EQ(available_memory_text(), "0 MB are left of the 1 MB that --memory allows");
@@ -171,7 +171,7 @@ TEST(MemoryLimit, WhatIsTakenCounts)
 
 TEST(MemoryLimit, LightsThatDoNotFitAreRefusedBeforeTheyAreMade)
 {
-    // What their triangles take would fit twice.
+    // The memory of the triangles fits twice, but not their lights as well.
     SceneDescription scene = nested(fan(300000), 2, 1, glowing());
     scene.nodes[0].camera = 0;
     const double triangles = of(estimate_memory(scene, TreeBuild::standard), "triangles");

@@ -6,8 +6,7 @@
 
 #include "compiled_scenes.h"
 
-// What is compiled from descriptions, looked at in the tables themselves: most of it shows in a picture only as noise,
-// or as a place where two mistakes cancel.
+// Tests of compiled tables: most errors in them would show in an image only as noise, or where two errors cancel.
 namespace fathom {
 namespace {
 
@@ -39,14 +38,14 @@ TEST(MaterialTable, KeepsWhatTheMaterialSays)
     EXPECT_EQ(r.closure, ClosureKind::glass);
     for (std::size_t c = 0; c < 3; ++c) {
         EXPECT_EQ(r.base_color[c], 0.2f + 0.1f * float(c));
-        // Of the way through so many metres, attenuation_color is left: by exp(-sigma t) in render units.
+        // attenuation_color remains after attenuation_distance meters: exp(-sigma_t * distance) in render units.
         const double left[] = {0.5, 0.25, 1};
         EXPECT_NEAR(std::exp(-double(t.media[r.medium].extinction[c]) * 2 * t.render_scale), left[c], 1e-6);
         EXPECT_EQ(t.materials[2].emission[c], 0.1f);
     }
     EXPECT_EQ(r.ior, 1.7f);
     EXPECT_EQ(t.media[r.medium].ior, 1.7f);
-    // A sheet encloses the same, of index 1; of what is no glass there is no inside; the first medium is empty space.
+    // A thin sheet encloses index 1; opaque materials have no interior medium; medium 0 is empty space.
     const MediumRecord& enclosed = t.media[t.materials[1].medium];
     EXPECT_EQ(enclosed.ior, 1);
     EXPECT_EQ(enclosed.extinction, t.media[r.medium].extinction);
@@ -58,7 +57,7 @@ TEST(MaterialTable, KeepsWhatTheMaterialSays)
     EXPECT_EQ(r.roughness_channel, 2u);
     EXPECT_EQ(t.materials[3].metallic, 0.4f);
     EXPECT_EQ(t.materials[3].metallic_channel, 1u);
-    // Glass has no such parameter: whatever it says does not count.
+    // Glass has no metallic parameter, so its value is ignored.
     EXPECT_EQ(r.metallic, Material().metallic.value);
     EXPECT_EQ(r.alpha, 0.6f);
     EXPECT_EQ(r.alpha_channel, 0u);
@@ -74,8 +73,7 @@ TEST(MaterialTable, KeepsWhatTheMaterialSays)
     EXPECT_TRUE(t.lights.empty());
 }
 
-/// Any texture of a subsurface makes its medium one that paths bring along: of its color, its radius or the scale of
-/// that.
+/// A texture of the subsurface color, radius or radius scale makes the medium depend on where the path entered.
 TEST(MaterialTable, SubsurfacesOfAnyTexture)
 {
     SceneDescription d = empty_scene();
@@ -94,12 +92,12 @@ TEST(MaterialTable, SubsurfacesOfAnyTexture)
     const SceneTables& t = *scene.data().tables;
     for (std::size_t i = 0; i < 5; ++i) {
         ASSERT_NE(t.materials[i].subsurface_medium, 0u) << i;
-        // Where light enters it is the surface's own matter.
+        // The medium where light enters belongs to the surface itself.
         EXPECT_EQ(t.media[t.materials[i].subsurface_medium].is_textured != 0, i >= 1 && i <= 3) << i;
     }
 }
 
-/// A principled material becomes the simplest closure that does what it asks for.
+/// Each principled material is compiled to the simplest closure that supports its parameters.
 TEST(MaterialTable, LayersAsNeeded)
 {
     using enum ClosureKind;
@@ -150,7 +148,8 @@ TEST(MaterialTable, DisneysPassLightWhereAsked)
     EXPECT_EQ(closure([](Material& m) { m.transmission.value = 1, m.thin = true; }).medium, 0u);
 }
 
-/// The share that a layer under a boundary of index 1.5 takes from what that throws back, integrated elsewhere.
+/// Share of diffusely reflected light that the dielectric boundary of index 1.5 reflects back inside, integrated
+/// independently.
 TEST(PlasticTable, LayersLoseAShareWithin)
 {
     for (const auto& [thickness, lost] : {std::pair{0.0f, 0.0f}, {0.01f, 0.048598f}, {0.2f, 0.566788f}}) {
@@ -166,7 +165,7 @@ TEST(PlasticTable, LayersLoseAShareWithin)
     }
 }
 
-/// What principled is told of its losses and its boundary reaches the simpler closures.
+/// Energy compensation and the single-boundary flag of a principled material reach the simpler closures.
 TEST(MaterialTable, CompensationAndOneBoundary)
 {
     for (const bool compensated : {false, true}) {
@@ -186,7 +185,7 @@ TEST(MaterialTable, CompensationAndOneBoundary)
     }
 }
 
-/// The camera as the kernel has it: right, up and forward are a right-handed frame, lengths are in render units.
+/// Camera record: right, up and forward form a right-handed frame; lengths are in render units.
 TEST(CameraTable, FrameSizeAndLens)
 {
     SceneDescription d = empty_scene();
@@ -232,7 +231,7 @@ TEST(CameraTable, FrameSizeAndLens)
     EXPECT_FLOAT_EQ(r.half_width, float(5.25 * s));
 }
 
-/// Render space: a power of two that brings the scene's radius to 512 to 1024, about the camera.
+/// Render space is centered at the camera and scaled by a power of two so that the scene's radius is 512 to 1024.
 TEST(RenderSpace, BringsTheSceneToOneSize)
 {
     for (double size : {1e-4, 1.0, 3.0, 777.0, 1e6}) {
@@ -242,14 +241,14 @@ TEST(RenderSpace, BringsTheSceneToOneSize)
         const Scene scene = compiled(d);
         const SceneTables& t = *scene.data().tables;
         EXPECT_EQ(std::exp2(std::round(std::log2(t.render_scale))), t.render_scale);
-        const double radius = 3 * size * t.render_scale;  // to the farthest corner
+        const double radius = 3 * size * t.render_scale;  // distance to the farthest corner
         EXPECT_GE(radius, 512) << size;
         EXPECT_LT(radius, 1024) << size;
         EXPECT_EQ(t.origin.x, size);
     }
 }
 
-/// Each thing that changes a picture changes the fingerprint, so that no films of two scenes are merged.
+/// Every property that changes an image changes the fingerprint, so films of different scenes are never merged.
 TEST(Fingerprint, TellsScenesApart)
 {
     SceneDescription d = empty_scene();
@@ -299,7 +298,8 @@ TEST(Fingerprint, TellsScenesApart)
     }
 }
 
-/// IEC 61966-2-1, at codes on both sides of where its curve begins; numbers from the standard's formula, by hand.
+/// IEC 61966-2-1 on both sides of the linear segment's end; expected values computed by hand from the standard's
+/// formula.
 TEST(ColorTable, LinearOfSrgb)
 {
     const Scene scene = compiled(empty_scene());
@@ -312,7 +312,8 @@ TEST(ColorTable, LinearOfSrgb)
     EXPECT_FLOAT_EQ(linear[255], 1);
 }
 
-/// Where it is at time 0, and what it moves by in a second, seen from the camera; radii in render units.
+/// Moving spheres store the center at time 0, relative to the camera, and the velocity per second; radii are in render
+/// units.
 TEST(SphereTable, BeginsAtItsCentreAndEndsAtTheOther)
 {
     SceneDescription d = empty_scene();

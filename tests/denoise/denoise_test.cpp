@@ -33,7 +33,7 @@ Image made_image(int width, int height, const std::vector<std::string>& channels
     return image;
 }
 
-/// What the fake library of the tests makes of it, from its description.
+/// Result of the fake denoiser, computed from its specification.
 float expected(const Image& image, int x, int y, int c, bool aids)
 {
     const Image::Layer& shown = image.layers[0];
@@ -134,7 +134,7 @@ TEST_F(FakeLibrary, IsFoundByItsFolder)
         EXPECT_TRUE(fs::equivalent(Denoiser(1).file(), file));
         fs::remove(file);
     }
-    // Where pip puts it: below a folder of an installation, whose bin is on the way of programs.
+    // Location of a pip installation: below the prefix whose bin folder is in PATH.
     unsetenv("FATHOM_OIDN");
     const fs::path package = folder / "lib/python3.11/site-packages/pyoidn/oidn/lib";
     fs::create_directories(package);
@@ -144,7 +144,7 @@ TEST_F(FakeLibrary, IsFoundByItsFolder)
     setenv("PATH", ((folder / "bin").string() + ":" + path).c_str(), 1);
     const fs::path found = Denoiser(1).file();
     setenv("PATH", path.c_str(), 1);
-    if (found.string().find("pyoidn") != std::string::npos)  // else it is among the system's, which come first
+    if (found.string().find("pyoidn") != std::string::npos)  // a library installed on the system takes precedence
         EXPECT_TRUE(fs::equivalent(found, package / "libOpenImageDenoise.so.2"));
     fs::remove_all(folder);
 }
@@ -161,13 +161,13 @@ TEST_F(FakeLibrary, WhatIsNoneIsRefused)
     setenv("FATHOM_OIDN", text.c_str(), 1);
     EXPECT_NE(message_of().find("can't be opened"), std::string::npos);
     fs::remove(text);
-    // A library, but another.
+    // An existing shared library that is not Open Image Denoise.
     setenv("FATHOM_OIDN", "/lib/x86_64-linux-gnu/libm.so.6", 1);
     if (fs::exists(std::getenv("FATHOM_OIDN")))
         EXPECT_NE(message_of().find("oidnNewDevice: there is no such function"), std::string::npos);
 }
 
-/// The library itself, where it is there.
+/// Tests of the real library, skipped if it is not installed.
 class RealLibrary : public testing::Test {
 protected:
     void SetUp() override
@@ -180,7 +180,7 @@ protected:
     }
 };
 
-/// A smooth picture under noise comes nearer to itself, with the same bits for any number of threads.
+/// A smooth image with added noise gets closer to the original; the bits don't depend on the number of threads.
 TEST_F(RealLibrary, TakesNoiseAwayWithTheSameBitsForAnyThreads)
 {
     const int width = 200, height = 150;

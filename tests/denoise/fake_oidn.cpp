@@ -1,4 +1,4 @@
-// Stands for Open Image Denoise in tests: its C functions, and a filter whose result can be computed by hand.
+// Fake Open Image Denoise for tests: its C functions, with a filter whose result is easy to compute.
 #include <algorithm>
 #include <cstdlib>
 #include <cstring>
@@ -10,7 +10,7 @@ namespace {
 
 struct Device {
     std::string error;
-    int code = 2;  ///< of the error
+    int code = 2;  ///< code of the last error
     std::map<std::string, int> numbers;
     bool committed = false;
 };
@@ -96,8 +96,8 @@ void oidnCommitFilter(Filter* filter)
 {
     filter->committed = true;
 }
-/// Of auxiliary pictures: 0.5 more. Of colours: the mean of a pixel and its neighbours in the row, plus 100 if not hdr;
-/// plus 10 times the albedo and 1000 times the normal, half as much if they are not said to be clean.
+/// Auxiliary images: adds 0.5. Color: the mean of a pixel and its row neighbors, plus 100 if not HDR, plus 10 * albedo
+/// and 1000 * normal; these two count half unless the auxiliary images are declared clean.
 void oidnExecuteFilter(Filter* filter)
 {
     const Picture output = filter->pictures["output"];

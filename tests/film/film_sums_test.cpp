@@ -37,7 +37,7 @@ TEST(ExactSum, RoundsToItsUnitOnly)
     }
 }
 
-/// Integers of 64 bits: carries into the third word, upwards and downwards.
+/// Sums of 64-bit integers carry into the third word in both directions.
 TEST(ExactSum, CarriesBeyond64Bits)
 {
     std::mt19937_64 random(5);
@@ -45,7 +45,7 @@ TEST(ExactSum, CarriesBeyond64Bits)
     __extension__ using Wide = __int128;
     Wide expected = 0;
     for (int i = 0; i < 20000; ++i) {
-        // Mostly up, then mostly down through zero.
+        // The sum grows at first, then falls through zero.
         const auto value = std::int64_t(random() >> 1) * (i < 4000 || i % 3 == 0 ? 1 : -1);
         ExactSum::add(sum, value);
         expected += value;
@@ -53,7 +53,7 @@ TEST(ExactSum, CarriesBeyond64Bits)
     }
     EXPECT_LT(expected, 0);
     EXPECT_NEAR(ExactSum::value(sum) / (double(expected) * 0x1p-36), 1, 1e-15);
-    // Words as from another film.
+    // Words of a sum from another film.
     std::uint32_t a[3] = {0xffffffffu, 0xffffffffu, 1}, one[3] = {1, 0, 0};
     ExactSum::add(a, one);
     EXPECT_EQ(a[0], 0u);
@@ -66,7 +66,7 @@ TEST(ExactSquareSum, DoesNotDependOnOrderOrGroupingAndStopsAtItsEnd)
     std::mt19937 random(3);
     std::vector<double> values;
     for (int i = 0; i < 10000; ++i) values.push_back(std::ldexp(double(random()), int(random() % 110) - 80));
-    for (const double scale : {1.0, 0x1p50}) {  // within the range, and beyond it
+    for (const double scale : {1.0, 0x1p50}) {  // inside the range of the fast sums, and outside
         std::uint32_t forward[4] = {}, backward[4] = {}, left[4] = {}, right[4] = {};
         double expected = 0;
         for (std::size_t i = 0; i < values.size(); ++i) {
@@ -103,10 +103,10 @@ TEST(TileSums, FastAndSlowWaysAgree)
     EXPECT_TRUE(fast.slow().empty());
 }
 
-/// Every pixel of a tile has its own sums, of first hits as well; of ids those of the lowest sample.
+/// Each pixel of a tile has its own sums, also of first-hit layers; ids come from the lowest sample.
 TEST(TileSums, PixelsAndFirstHits)
 {
-    // Besides radiance and squares depth and hits, then ids.
+    // Layout after radiance and squares: depth and hit count, then ids.
     constexpr int sums_of_first_hits = 2, ids = other_words + sums_of_first_hits * ExactSum::words;
     constexpr std::size_t words = ids + 3;
     TileSums sums;

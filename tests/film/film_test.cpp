@@ -3,7 +3,7 @@
 #include "fathom/error.h"
 #include "made_film.h"
 
-// Films whose sums are put in by hand.
+// Films filled with known sums.
 namespace fathom {
 namespace {
 
@@ -26,7 +26,7 @@ void add_other(Film& film, std::size_t pixel, int place, double value)
     ExactSum::add_number(other_sum(film.data().pixel(pixel), place), value);
 }
 
-/// One sum after the other, none on top of another.
+/// Every layer has sums of its own that don't overlap.
 TEST(FilmLayout, HasAPlaceForEach)
 {
     const FilmLayout all({Aov::position, Aov::albedo, Aov::depth, Aov::normal, Aov::instance_id, Aov::material_id},
@@ -40,7 +40,7 @@ TEST(FilmLayout, HasAPlaceForEach)
     for (const Part& p : parts)
         for (int i = 0; i < p.count; ++i) ++used.at(std::size_t(p.first + i));
     for (int u : used) EXPECT_EQ(u, 1);
-    // Words: of radiance, of its squares, of the others, of ids; none shared.
+    // Words of radiance, squares, other layers and ids don't overlap.
     const std::vector<std::uint32_t> words(std::size_t(all.words));
     const std::uint32_t* const pixel = words.data();
     EXPECT_EQ(square_sum(pixel, 0) - pixel, 3 * ExactSum::words);
@@ -65,7 +65,7 @@ TEST(FilmImage, MeansOfWhatWasSummed)
     ASSERT_EQ(film.samples_per_pixel(), 8u);
     const std::size_t p = 2;
     for (int c = 0; c < 3; ++c) {
-        add_radiance(film, p, c, 8.0 * (c + 1), 8.0 * ((c + 1) * (c + 1) + 7));  // a variance of 7
+        add_radiance(film, p, c, 8.0 * (c + 1), 8.0 * ((c + 1) * (c + 1) + 7));  // variance 7
         add_other(film, p, layout.albedo + c, 2 + c);
         add_other(film, p, layout.normal + c, -4 - c);
         add_other(film, p, layout.position + c, 10 + c);
@@ -81,16 +81,16 @@ TEST(FilmImage, MeansOfWhatWasSummed)
     };
     for (std::size_t c = 0; c < 3; ++c) {
         EXPECT_EQ(value("", 4, c), float(c + 1));
-        EXPECT_EQ(value("variance", 3, c), 1);  // 7 / (8 - 1)
+        EXPECT_EQ(value("variance", 3, c), 1);  // variance of the mean: 7 / (8 - 1)
         EXPECT_EQ(value("albedo", 3, c), float(2 + c) / 8);
         EXPECT_EQ(value("normal", 3, c), -float(4 + c) / 8);
-        EXPECT_EQ(value("position", 3, c), float(10 + c) / 2);  // over what was hit
+        EXPECT_EQ(value("position", 3, c), float(10 + c) / 2);  // mean over the samples that hit
     }
     EXPECT_EQ(value("", 4, 3), 0.25f);
     EXPECT_EQ(value("depth", 1, 0), 2.5f);
     EXPECT_EQ(value("instance", 1, 0), 42);
     EXPECT_EQ(value("material", 1, 0), 43);
-    // Others are what they were.
+    // Other pixels keep their defaults.
     EXPECT_EQ(image.layers[0].pixels[0], 0);
     EXPECT_TRUE(std::isinf(image.find("depth")->pixels[0]));
     EXPECT_EQ(film.image(false, false).layers[0].channels.size(), 3u);
@@ -125,7 +125,7 @@ TEST(FilmMerge, AddsSumsAndKeepsIdsOfTheFirstSample)
             for (int c = 0; c < 3; ++c) add_radiance(*film, p, c, value, 2 * value);
             add_other(*film, p, film->data().layout.alpha, 3 * value);
             std::uint32_t* ids = film->data().pixel(p) + film->data().layout.ids;
-            // In some pixels the other film has the lower sample.
+            // In some pixels the other film has the lower sample index.
             ids[0] = first ? (p % 2 ? 1 : 4) : 3;
             ids[1] = ids[2] = (first ? 100 : 200) + std::uint32_t(p);
         }
@@ -176,7 +176,7 @@ TEST(FilmMerge, InPiecesIsTheSame)
     ASSERT_TRUE(pieces.dropped_sample());
     EXPECT_EQ(pieces.dropped_sample()->sample, 4u);
 
-    // The sum of two others, on its way to a third.
+    // Merging partial sums of two films equals merging both films.
     std::vector<std::uint32_t> passing(own.words(), own.words() + pixels * words);
     Film start = test::made_film(settings), twice = test::made_film(settings);
     own.add_words(own.words(), passing.data(), pixels);
@@ -188,7 +188,7 @@ TEST(FilmMerge, InPiecesIsTheSame)
     EXPECT_THROW(pieces.begin_merge(test::made_film(settings_with({}, true)).key(), {{8, 9}}, 0, {}), Error);
 }
 
-/// Whatever decides the bits of a picture keeps films apart.
+/// Settings that change the bits of an image prevent merging.
 TEST(FilmMerge, RefusesOtherSettings)
 {
     const RenderSettings settings = settings_with({Aov::depth}, true);

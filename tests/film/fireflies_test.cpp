@@ -4,7 +4,7 @@
 
 #include "made_film.h"
 
-// Pictures of samples put in by hand: what share of noise and samples is told.
+// Images with known fireflies: the reported shares of noise and samples.
 namespace fathom {
 namespace {
 
@@ -19,7 +19,7 @@ struct Picture {
     std::vector<double> values = std::vector<double>(std::size_t(side * side * samples));
 
     double& sample(int x, int y, int k) { return values[std::size_t((y * side + x) * samples + k)]; }
-    /// The squared error of a pixel, times samples.
+    /// Variance of a pixel's mean times the number of samples.
     double variance(int x, int y)
     {
         double sum = 0, squares = 0;
@@ -41,7 +41,7 @@ struct Picture {
     }
 };
 
-/// Noise that is brighter, and noisier, in the right half.
+/// Brighter and noisier in the right half.
 Picture noisy()
 {
     Picture p;
@@ -70,7 +70,7 @@ TEST(Fireflies, AreTheSamplesThatWerePutIn)
     const Film::Fireflies found = p.found();
     EXPECT_NEAR(found.noise, theirs / all, 0.001);
     EXPECT_GT(found.noise, 0.5);
-    // A pixel's other samples are not quite the usual ones.
+    // The other samples of a pixel differ slightly from the typical value.
     EXPECT_NEAR(found.samples * side * side * samples, count, 0.02 * count);
 }
 
@@ -79,7 +79,7 @@ TEST(Fireflies, AreNotInPlainNoise)
     EXPECT_EQ(noisy().found().samples, 0);
 }
 
-/// The edge of something bright on black: some of its pixels have few bright samples, all others none.
+/// Edge of a bright object on black: few samples of an edge pixel are bright, none of its neighbors.
 TEST(Fireflies, AreNotAtEdges)
 {
     Picture p;
@@ -93,7 +93,7 @@ TEST(Fireflies, AreNotAtEdges)
     EXPECT_LT(p.found().noise, 0.001);
 }
 
-/// Of a crop, only what it shows counts: shares of samples and of noise are those of a film of its own size.
+/// In a crop, only visible pixels count: shares are those of a film of the crop's size.
 TEST(Fireflies, OfACropAreThoseOfItsPixels)
 {
     constexpr Crop inside{8, 24, 40, 48};

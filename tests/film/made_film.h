@@ -3,7 +3,7 @@
 
 namespace fathom::test {
 
-/// An empty film of no scene, to be filled by hand.
+/// An empty film without a scene.
 inline Film made_film(const RenderSettings& settings)
 {
     return Film(FilmKey{settings, std::string(32, '0')});

@@ -5,7 +5,7 @@
 namespace fathom {
 namespace {
 
-/// Of samples that are half v and half 3 v, by turns, the variance of the mean is v^2 / (n - 1), whatever v is.
+/// If samples alternate between v and 3 v, the variance of their mean is v^2 / (n - 1) for any v.
 TEST(Film, VarianceIsRightForDarkAndBrightPictures)
 {
     for (double v : {1e-6, 1e-5, 1e-3, 1.0, 30.0, 60.0, 1e3, 1e6, 3e7, 1e8, 1e9}) {
@@ -28,7 +28,7 @@ TEST(Film, VarianceIsRightForDarkAndBrightPictures)
         const auto& variance = image.find("variance")->pixels;
         EXPECT_NEAR(image.layers[0].pixels[0] / (2 * v), 1, 2e-5) << v;
         EXPECT_NEAR(variance[0] * (n - 1) / (v * v), 1, 1e-3) << v;
-        EXPECT_LT(variance[1] * (n - 1) / (v * v), 1e-4) << v;  // no variance, but for rounding
+        EXPECT_LT(variance[1] * (n - 1) / (v * v), 1e-4) << v;  // no variance except rounding
         EXPECT_EQ(variance[2], 0) << v;
     }
 }

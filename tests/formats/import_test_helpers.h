@@ -11,7 +11,7 @@
 
 namespace fathom::test {
 
-/// A folder of its own for each test, gone afterwards.
+/// Fixture with a temporary folder for each test, removed afterwards.
 class ImportTest : public ::testing::Test {
 protected:
     void SetUp() override
@@ -33,7 +33,7 @@ protected:
     {
         return load_scene(write(name, content), {}, warnings_);
     }
-    /// What Error says after the file's name; "loaded" if it was.
+    /// Error message after the file name, or "loaded".
     std::string error_of(const std::string& name, const std::string& content) { return error_of(write(name, content)); }
     std::string error_of(const std::filesystem::path& path)
     {
@@ -41,7 +41,7 @@ protected:
             load_scene(path, {}, warnings_);
         } catch (const Error& e) {
             EXPECT_EQ(std::string(e.what()).find('\n'), std::string::npos) << e.what();
-            // A line that can be read, however deep the place.
+            // The error stays short enough to read however deep its location is nested.
             EXPECT_LT(std::string(e.what()).size(), 600u) << e.what();
             EXPECT_EQ(e.file(), path.string());
             return (e.place().empty() ? "" : e.place() + ": ") + e.message();

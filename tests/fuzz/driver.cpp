@@ -1,8 +1,7 @@
-// Files made from valid ones by mistakes of all kinds, the same ones each time: what runs where there is no libFuzzer,
-// and in CI.
-//   fuzz_driver TARGET RUNS           runs 0 to RUNS - 1; one that crashes or takes too long is named
-//   fuzz_driver TARGET RUNS ONLY      that run alone, its file as fuzz-TARGET-ONLY.bin in this folder
-//   fuzz_driver TARGET seeds FOLDER   what libFuzzer may begin with
+// Deterministic fuzzing by mutation of valid files, for CI and systems without libFuzzer.
+//   fuzz_driver TARGET RUNS           performs runs 0 to RUNS - 1; prints the run that crashes or takes too long
+//   fuzz_driver TARGET RUNS ONLY      performs one run and writes its input to fuzz-TARGET-ONLY.bin in this folder
+//   fuzz_driver TARGET seeds FOLDER   writes the seed files for libFuzzer
 #include <sys/time.h>
 #include <unistd.h>
 
@@ -23,12 +22,12 @@ namespace fathom::fuzz {
 
 namespace {
 
-constexpr unsigned longest_run_s = 20;     // of processor time, which others don't use up
-constexpr unsigned longest_wait_s = 3600;  // ends a run that waits for something
+constexpr unsigned longest_run_s = 20;     // CPU time, independent of other programs
+constexpr unsigned longest_wait_s = 3600;  // ends a run that waits forever
 
 using Random = std::mt19937_64;
 
-/// Numbers below n, by arithmetic that all libraries share.
+/// Uniform number below n with the same result in all standard libraries.
 std::size_t below(Random& random, std::size_t n)
 {
     return n == 0 ? 0 : std::size_t(random() % n);
@@ -71,7 +70,7 @@ void put_word(std::string& file, Random& random)
     file.insert(below(random, file.size() + 1), words[below(random, std::size(words))]);
 }
 
-/// A number of the text becomes another.
+/// Replaces a number in the text by another.
 void change_digits(std::string& file, Random& random)
 {
     const std::size_t start = file.find_first_of("0123456789", below(random, file.size() + 1));
@@ -164,7 +163,7 @@ int run(int argc, char** argv)
     }
     const test::MemoryLimit memory(rlim_t(4) << 30);
     for (int signal : {SIGSEGV, SIGABRT, SIGBUS, SIGFPE, SIGILL, SIGALRM, SIGPROF}) std::signal(signal, on_signal);
-    // What is not damaged is read without a word.
+    // Undamaged seeds must be read without an error.
     for (const std::string& seed : seeds) target->run(seed);
     const std::uint64_t runs = std::strtoull(argv[2], nullptr, 10);
     for (std::uint64_t i = 0; i < runs; ++i) run_once(*target, seeds, i);

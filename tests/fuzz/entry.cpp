@@ -1,4 +1,4 @@
-// One target for libFuzzer, which has the main function.
+// Entry point for one target; libFuzzer provides main().
 #include <cstddef>
 #include <cstdint>
 

@@ -36,7 +36,7 @@ namespace fathom::fuzz {
 
 namespace {
 
-/// Files that these refer to are not there.
+/// Files that the inputs refer to don't exist.
 const std::filesystem::path folder = "/nonexistent-folder";
 
 void use(SceneDescription& scene)
@@ -46,7 +46,7 @@ void use(SceneDescription& scene)
     world_bounds(scene);
 }
 
-/// All animations, before, in and after their time. One that is refused leaves the others to be played.
+/// Plays all animations before, during and after their time; one that is rejected doesn't stop the others.
 void play(const SceneDescription& scene, const AnimationRig& rig)
 {
     for (std::size_t i = 0; i < rig.animations.size(); ++i) {
@@ -58,7 +58,7 @@ void play(const SceneDescription& scene, const AnimationRig& rig)
                 use(posed);
             }
         } catch (const Error&) {
-            // As it should be.
+            // A reader may reject any input with an Error.
         }
     }
 }
@@ -77,7 +77,7 @@ void read_scene(const std::string& bytes)
         use(scene);
         play(scene, context.offered.rig);
     } catch (const Error&) {
-        // As it should be.
+        // A reader may reject any input with an Error.
     }
 }
 
@@ -87,7 +87,7 @@ void read_serialized(const std::string& bytes)
         const mitsuba::SerializedFile file("a", bytes);
         for (std::size_t i = 0; i < std::min<std::size_t>(file.count(), 4); ++i) file.mesh(i);
     } catch (const Error&) {
-        // As it should be.
+        // A reader may reject any input with an Error.
     }
 }
 
@@ -100,7 +100,7 @@ void read_materials(const std::string& bytes)
         read_mtl(folder / "a.mtl", bytes, scene, names, warnings);
         use(scene);
     } catch (const Error&) {
-        // As it should be.
+        // A reader may reject any input with an Error.
     }
 }
 
@@ -111,7 +111,7 @@ void read_picture(const std::string& bytes)
     try {
         read_image("a", bytes.data(), bytes.size(), memory);
     } catch (const Error&) {
-        // As it should be.
+        // A reader may reject any input with an Error.
     }
 }
 
@@ -122,7 +122,7 @@ void read_profile(const std::string& bytes)
         for (const double azimuth : {0.0, 37.0, 90.0, 200.0, 359.0})
             for (const double polar : {0.0, 33.0, 90.0, 180.0}) profile.at(polar, azimuth);
     } catch (const Error&) {
-        // As it should be.
+        // A reader may reject any input with an Error.
     }
 }
 
@@ -133,11 +133,11 @@ void read_surface(const std::string& bytes)
         scene.measured.push_back(read_measured("a.bsdf", bytes));
         use(scene);
     } catch (const Error&) {
-        // As it should be.
+        // A reader may reject any input with an Error.
     }
 }
 
-/// Film files are read from any place by several threads, so from a file: one in memory.
+/// Film files are read at any offset by several threads, so this writes the input to a file in memory.
 void read_film(const std::string& bytes)
 {
     static const int descriptor = memfd_create("film", MFD_CLOEXEC);
@@ -147,7 +147,7 @@ void read_film(const std::string& bytes)
     try {
         FilmFile(file).read().image(true, true);
     } catch (const Error&) {
-        // As it should be.
+        // A reader may reject any input with an Error.
     }
 }
 
@@ -195,7 +195,7 @@ std::string glb_of(std::string json, std::string bytes)
            raw(0x4e4f534au) + json + raw(std::uint32_t(bytes.size())) + raw(0x004e4942u) + bytes;
 }
 
-/// A pyramid as the encoders of meshoptimizer write it.
+/// A pyramid compressed by meshoptimizer's encoders.
 std::string meshopt_seed()
 {
     return glb_of(
@@ -211,7 +211,7 @@ std::string meshopt_seed()
             "0000000000000000000000000000000000000000000000e0fe100004540f0f0801007687566778a9866589689801690000"));
 }
 
-/// The same as Draco's write it, by both of its methods.
+/// A pyramid compressed by both of Draco's encoding methods.
 std::string draco_seed()
 {
     return glb_of(
@@ -229,7 +229,7 @@ std::string draco_seed()
             "0700f8030c000414f807000000000000ff0000000000000000000000000000000000004008"));
 }
 
-/// A skin, a target and all that animations drive, by every interpolation.
+/// A skin, a morph target and every animated property with every interpolation.
 std::string animated_seed()
 {
     const std::string bytes =
@@ -265,7 +265,7 @@ std::string animated_seed()
 
 std::vector<std::string> gltf_seeds()
 {
-    // Three corners, three indices.
+    // Three vertices, three indices.
     const std::string uri =
         "data:application/octet-stream;base64,"
         "AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAAAAABAAIA";
@@ -326,7 +326,7 @@ std::vector<std::string> stl_seeds()
         std::string(80, ' ') + raw(2u) + triangle + triangle};
 }
 
-/// The bytes of a file that `write(path)` writes.
+/// Bytes of a file written by `write(path)`.
 template <class Write>
 std::string written(const std::string& extension, Write write)
 {
@@ -380,7 +380,7 @@ std::string film_seed(const RenderSettings& settings, const WriteOptions& option
     return written(".exr", [&](const auto& file) { write_film(file, film, image, options); });
 }
 
-/// A plain one, and one with all that a film can hold.
+/// A minimal film file, and one with every optional part.
 std::vector<std::string> film_seeds()
 {
     RenderSettings all;
@@ -446,7 +446,7 @@ std::vector<std::string> mitsuba_seeds()
 
 std::vector<std::string> serialized_seeds()
 {
-    // Two meshes of version 4: a triangle with normals and uv, and one of doubles.
+    // Two meshes of format version 4: a triangle with normals and texture coordinates, and one in doubles.
     const auto deflated = [](const std::string& bytes) {
         uLongf size = compressBound(uLong(bytes.size()));
         std::string out(size, 0);
@@ -474,7 +474,7 @@ std::vector<std::string> ies_seeds()
 
 std::vector<std::string> measured_seeds()
 {
-    // The arrays are one behind the other, and as large as their shapes say.
+    // Arrays follow each other with the sizes of their shapes.
     struct Field {
         std::string name;
         std::vector<std::uint64_t> shape;

@@ -6,11 +6,11 @@
 
 namespace fathom::fuzz {
 
-/// A reader of files that others made. Whatever the bytes, it returns or throws fathom::Error; all else is a bug.
+/// A reader of untrusted files. For any input it returns or throws fathom::Error; anything else is a bug.
 struct Target {
     std::string_view name;
     void (*run)(const std::string& bytes);
-    std::vector<std::string> (*seeds)();  ///< small valid files to begin with
+    std::vector<std::string> (*seeds)();  ///< small valid files to start from
 };
 
 std::span<const Target> targets();

@@ -5,7 +5,7 @@
 namespace fathom {
 namespace {
 
-/// A triangle that goes from one place to the next.
+/// A triangle that moves linearly between keys.
 void add_moving_triangle(GeometryTables& tables, std::vector<std::vector<Vec3f>>& keys, Vec3f a, Vec3f b, Vec3f c,
                          Random& random, float way)
 {
@@ -18,7 +18,7 @@ void add_moving_triangle(GeometryTables& tables, std::vector<std::vector<Vec3f>>
     }
 }
 
-/// n triangles of one mesh whose vertices each go their own way.
+/// n triangles of one mesh whose vertices move independently.
 GeometryTables moving_soup(std::size_t n, float radius, float size, float way, std::vector<float> times,
                            Vec3f offset = {})
 {
@@ -49,7 +49,7 @@ TEST(Motion, vertices)
     compare_with_force(moving_soup(2'000, 1, 0.1f, 0.1f, {0, 1}, {3e5f, -1e6f, 2e5f}), 1.5e6f, 10'000, "far away");
 }
 
-/// Neighbours share vertices, of which some are in one place only when the shutter opens.
+/// Neighboring triangles share vertices, some of which coincide when the shutter opens.
 GeometryTables moving_cloth(std::uint32_t n, std::vector<float> times)
 {
     Random random(n);
@@ -82,7 +82,7 @@ TEST(Motion, shared_vertices)
     compare_with_force(moving_cloth(30, {0, 0.25f, 1}), 30, 10'000, "three keys");
 }
 
-/// Rays at times other than those of the shutter's see it as it opens or closes, and don't fall out of the world.
+/// Rays with times outside the shutter interval see the scene at its nearest end.
 TEST(Motion, times_outside_the_shutter)
 {
     compare_with_force(moving_soup(500, 100, 10, 50, {0.25f, 0.5f}), 100, 10'000, "other times");
@@ -111,7 +111,7 @@ TEST(Motion, degenerate_and_not_finite)
 {
     GeometryTables tables = moving_soup(300, 10, 3, 2, {0, 1});
     const std::size_t vertices = 900;
-    // One that is a point at first, one that is a point at last, one that is a line, one never finite.
+    // Triangles that are a point at the first key, a point at the last key, always a line, and never finite.
     for (std::size_t k = 0; k < 3; ++k) {
         tables.positions[k] = tables.positions[0];
         tables.positions[vertices + 3 + k] = tables.positions[vertices + 3];
@@ -141,7 +141,7 @@ PoseRecord random_pose(Random& random, float time, double spread)
     return pose;
 }
 
-/// Shapes of each kind, placed by instances that move and by some that don't.
+/// Shapes of each kind in moving and static instances.
 GeometryTables moving_instances(std::size_t n, std::uint32_t poses, double spread, bool moving_mesh)
 {
     Random random(n);
@@ -206,7 +206,7 @@ TEST(Motion, instances)
     compare_with_force(moving_instances(40, 3, 2, true), 60, 10'000, "of a mesh that moves");
 }
 
-/// Bits must not depend on the instruction set: the same figure in each build of this test.
+/// Bits don't depend on the instruction set: every build of this test has the same checksum.
 TEST(Motion, the_same_bits_everywhere)
 {
     std::uint64_t hash = 1469598103934665603u;
@@ -226,7 +226,7 @@ TEST(Motion, the_same_bits_everywhere)
     EXPECT_EQ(hash, 8616732447230043037u);
 }
 
-/// Boxes that move hold what they should and little else: rays find their way in not many more steps.
+/// Motion bounds contain the moving shapes and are tight: rays visit few additional nodes.
 TEST(Motion, boxes_follow)
 {
     const GeometryTables tables = moving_soup(20'000, 100, 1, 0, {0, 1});

@@ -4,8 +4,8 @@
 
 #include "fathom/image.h"
 
-// Prints a hash of what a picture file says: sizes, names of layers and channels, and every value's bits. The file's
-// own bytes depend on the versions of libraries.
+// Prints a hash of an image's content: size, names of layers and channels, and the bits of all values. File bytes
+// depend on library versions.
 namespace {
 
 class Hash {

@@ -11,7 +11,7 @@
 namespace fathom {
 namespace {
 
-/// Two cubes along x, in the first of which every side has a region with some histogram.
+/// Two cells along x; in the first, every side has a region with a random histogram.
 GuidingTables some_tables(unsigned seed)
 {
     GuidingTables t;
@@ -23,7 +23,7 @@ GuidingTables some_tables(unsigned seed)
         t.regions[side] = side;
         std::vector<double> weights(guiding_bins);
         double total = 0, sum = 0;
-        // Some bins get nothing at all.
+        // Some bins are empty.
         for (double& w : weights) total += w = double(engine() % 4 == 0 ? 0 : engine() % 1000);
         for (double w : weights) {
             t.histograms.push_back(float(sum / total));
@@ -63,7 +63,7 @@ TEST(Guidance, SamplesByItsDensity)
     }
 }
 
-/// Of what is sampled, each direction is found again in a bin that is not empty.
+/// Sampled directions fall into bins that are not empty.
 TEST(Guidance, FindsWhatItSamples)
 {
     const GuidingTables t = some_tables(3);
@@ -82,17 +82,17 @@ TEST(Guidance, KnowsTheSideThatASurfaceFaces)
     for (std::uint32_t side = 0; side < guiding_sides; ++side) {
         EXPECT_EQ(test::first(guiding_side(Vec3(normals[side]))), side);
         EXPECT_EQ(test::first(guidance_of(t, middle, normals[side]).survival_factor()), float(side));
-        // The pole is the side's direction, and turning back gives what was turned.
+        // The pole is the side's direction, and from_pole inverts to_pole.
         const Vec3 d(Vec3f{0.36f, -0.48f, 0.8f});
-        const Vec3 again = from_histogram_frame(UInt(side), to_histogram_frame(UInt(side), d));
+        const Vec3 again = from_pole(UInt(side), to_pole(UInt(side), d));
         EXPECT_EQ(test::first(again.x), 0.36f);
         EXPECT_EQ(test::first(again.y), -0.48f);
         EXPECT_EQ(test::first(again.z), 0.8f);
-        EXPECT_GT(test::first(to_histogram_frame(UInt(side), Vec3(normals[side])).z), 0.7f);
+        EXPECT_GT(test::first(to_pole(UInt(side), Vec3(normals[side])).z), 0.7f);
     }
 }
 
-/// Where nothing is known the closure's own density is left, and where histograms are worth less they get less.
+/// Without guiding data the density is that of the closure; less reliable histograms get a lower weight.
 TEST(Guidance, SharesDirectionsWithTheClosure)
 {
     const GuidingTables t = some_tables(5);
@@ -109,7 +109,7 @@ TEST(Guidance, SharesDirectionsWithTheClosure)
     EXPECT_NEAR(test::first(half.pdf(d, Float(0.7f))), 0.325f * own + 0.4725f, 1e-6f);
 }
 
-/// Beyond the cubes those at the border count, and places are moved by up to half a cube.
+/// Positions outside the grid use the nearest cell; positions are jittered by up to half a cell.
 TEST(Guidance, FindsTheCube)
 {
     GuidingTables t = some_tables(6);
@@ -126,8 +126,7 @@ TEST(Guidance, FindsTheCube)
     EXPECT_EQ(need_at({1.2f, 0.5f, 0.5f}, {0.1f, 0.5f, 0.5f}), 1);
 }
 
-/// Learning, which counts in plain numbers, and lanes mean the same cubes. Places are multiples of 1/64, so nothing is
-/// rounded.
+/// Learning (scalar) and rendering (lanes) find the same cell. Positions are multiples of 1/64, so nothing is rounded.
 TEST(Guidance, LanesFindTheCubeThatLearningFinds)
 {
     GuidingTables t;
@@ -162,13 +161,13 @@ TEST(Guidance, LanesFindTheCubeThatLearningFinds)
     EXPECT_EQ(*met.rbegin(), 5u * 3u * 4u - 1u);
 }
 
-/// Need times throughput, but an eighth at least and never more than 1.
+/// The probability of NEE is nee_factor times throughput, clamped to [1/8, 1].
 TEST(Guidance, ChancesOfLightSamplesAreProbabilities)
 {
     GuidingTables t = some_tables(8);
     for (float need : {0.0f, 0.25f, 2.0f, 1e30f}) t.nee_factors.push_back(need);
     const auto chance = [&](std::uint32_t cube, float throughput) {
-        return test::first(nee_probability(t, UInt(cube), Float(throughput), Mask(true)));
+        return test::first(light_chance(t, UInt(cube), Float(throughput), Mask(true)));
     };
     EXPECT_EQ(chance(0, 1), 0.125f);
     EXPECT_EQ(chance(1, 0), 0.125f);
@@ -179,8 +178,8 @@ TEST(Guidance, ChancesOfLightSamplesAreProbabilities)
     EXPECT_EQ(chance(2, 0.25f), 0.5f);
     EXPECT_EQ(chance(2, 1), 1);
     EXPECT_EQ(chance(3, 0.5f), 1);
-    // Lanes that are off read nothing, wherever they are.
-    EXPECT_EQ(test::first(nee_probability(t, UInt(0xfffffff0u), Float(1), Mask(false))), 0.125f);
+    // Inactive lanes read nothing, whatever their cell index is.
+    EXPECT_EQ(test::first(light_chance(t, UInt(0xfffffff0u), Float(1), Mask(false))), 0.125f);
 }
 
 }  // namespace

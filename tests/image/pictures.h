@@ -12,7 +12,7 @@
 
 namespace fathom::test {
 
-/// A folder of its own, gone with everything in it at the end.
+/// A temporary folder, removed with its contents at the end.
 class TemporaryFolder {
 public:
     TemporaryFolder()
@@ -44,8 +44,7 @@ inline std::vector<char> bytes_of(const std::filesystem::path& file)
     return {std::istreambuf_iterator<char>(in), {}};
 }
 
-/// Values that differ everywhere, from 0 to `top`; A, if it is among the channels, from 0 to 1 and colours
-/// premultiplied.
+/// Distinct values from 0 to `top`; channel A, if there is one, from 0 to 1 with premultiplied color.
 inline Image::Layer made_layer(const std::string& name, const std::vector<std::string>& channels, int width, int height,
                                float top = 1)
 {
@@ -74,7 +73,7 @@ inline Image made_image(int width, int height, const std::vector<std::string>& c
     return image;
 }
 
-/// The formula of IEC 61966-2-1, as it stands there.
+/// sRGB encoding by the formula of IEC 61966-2-1.
 inline double srgb(double linear)
 {
     if (!(linear > 0)) return 0;

@@ -14,7 +14,7 @@ Environment white()
 
 TEST(Furnace, EnclosureHasTheRadianceOfTheGeometricSeries)
 {
-    // Inside a sphere that emits 1 and reflects a, radiance is 1 / (1 - a) everywhere.
+    // Inside a sphere with emission 1 and albedo a, radiance is 1 / (1 - a) everywhere.
     for (bool light_sampling : {true, false})
         for (float albedo : {0.5f, 0.8f}) {
             SceneBuilder b;
@@ -37,7 +37,7 @@ TEST(Furnace, ClosedRoomOfRectangles)
 
 TEST(Furnace, EveryMaterialUnderAWhiteSky)
 {
-    // A convex object that loses nothing is invisible in a constant environment.
+    // A convex lossless object is invisible in a constant environment.
     const auto expect = [](Material m, double value, double tolerance) {
         m.base_color.value = {1, 1, 1};
         SceneBuilder b;
@@ -66,7 +66,7 @@ TEST(Furnace, EveryMaterialUnderAWhiteSky)
     expect(m, 1, 0.002);
 }
 
-/// Roulette adds no noise where nothing is lost: each path through glass brings what the sky has, exactly.
+/// Russian roulette adds no noise without losses: each path through glass carries exactly the sky's radiance.
 TEST(Furnace, LosslessPathsHaveNoVariance)
 {
     for (const bool thin : {false, true}) {
@@ -87,8 +87,8 @@ TEST(Furnace, LosslessPathsHaveNoVariance)
     }
 }
 
-/// In a closed room that absorbs nothing paths end all the same, after some 64 + 20 bounces; beside a black lamp of
-/// radiance 1 there is a radiance of 1 everywhere.
+/// In a closed lossless room paths still end, after about 64 + 20 bounces. A black light of radiance 1 gives a radiance
+/// of 1 everywhere.
 TEST(Furnace, PathsEndInAClosedWhiteRoom)
 {
     for (const bool lamp : {false, true}) {
@@ -115,7 +115,7 @@ TEST(Furnace, PathsEndInAClosedWhiteRoom)
 
 TEST(Furnace, TheSameForATreeOfTriangles)
 {
-    // An octahedron split often enough to need the tree.
+    // An octahedron subdivided into enough triangles to need the BVH.
     SceneBuilder b;
     Mesh mesh;
     constexpr std::uint32_t n = 16;
@@ -140,7 +140,7 @@ TEST(Furnace, TheSameForATreeOfTriangles)
     expect_mean(render_film(b.scene, small_picture(), 32), 1);
 }
 
-/// A diffuse floor seen from above through a narrow lens; the lights are all there is.
+/// A diffuse floor seen from above through a narrow lens; the added lights are the only illumination.
 SceneBuilder floor_scene(float albedo)
 {
     SceneBuilder b;
@@ -151,7 +151,7 @@ SceneBuilder floor_scene(float albedo)
 
 TEST(Lights, SphereOverAPlane)
 {
-    // E = pi L (r / d)^2 cos: exact while the sphere is wholly above the horizon.
+    // E = pi L (r / d)^2 cos, exact while the sphere is entirely above the horizon.
     for (bool light_sampling : {true, false}) {
         SceneBuilder b = floor_scene(0.5f);
         b.add(Sphere{{1.5, 3, 0}, 1, {}}, b.diffuse(0, {4, 4, 4}));
@@ -162,8 +162,8 @@ TEST(Lights, SphereOverAPlane)
     }
 }
 
-/// The configuration factor of a rectangle of a by c, parallel to the floor, with a corner at height h above the point:
-/// Howell, C-11.
+/// Configuration factor of an a x c rectangle parallel to the floor with a corner at height h above the point (Howell,
+/// C-11).
 double rectangle_factor(double a, double c, double h)
 {
     const double x = a / h, y = c / h, sx = std::sqrt(1 + x * x), sy = std::sqrt(1 + y * y);
@@ -184,7 +184,7 @@ TEST(Lights, RectangleOverAPlane)
     }
 }
 
-/// Of a lamp that its texture makes dark in one half, the other half is left; alone or beside another lamp.
+/// A light with a texture that is black in one half emits only from the other half, alone or beside another light.
 TEST(Lights, TextureOfALamp)
 {
     const double a = 2, c = 1.5, h = 1.2;
@@ -209,7 +209,7 @@ TEST(Lights, TextureOfALamp)
         }
 }
 
-/// A limit of depth leaves out the same, whether lights are sampled or found by chance, in rooms of quads or elsewhere.
+/// max_depth removes equal light paths with NEE and without, in the quad loop and in the general loop.
 TEST(Lights, ALimitOfDepth)
 {
     for (bool quads : {true, false})
@@ -234,12 +234,11 @@ TEST(Lights, ALimitOfDepth)
         }
 }
 
-/// A lamp that lets three quarters of the rays pass gives a quarter of its light, one that is cut out shows what is
-/// left.
+/// A light with opacity 1/4 emits a quarter; one with a cutout mask emits from what remains.
 TEST(Lights, AlphaOfALamp)
 {
     const double a = 2, c = 1.5, h = 1.2;
-    Mesh mesh;  // opaque for x < a, by vertex colours that cross the cutoff there
+    Mesh mesh;  // opaque for x < a: the vertex alpha crosses the cutoff there
     for (int i = 0; i < 4; ++i) {
         mesh.positions.push_back({float(i & 1 ? 2 * a : 0), float(h), float(i & 2 ? c : 0)});
         mesh.colors.push_back({1, 1, 1, i & 1 ? 0.f : 1.f});
@@ -268,7 +267,7 @@ TEST(Lights, AlphaOfALamp)
 
 TEST(Lights, DiskOverAPlane)
 {
-    // A disk of radius r at height h, centred above: E = pi L r^2 / (r^2 + h^2).
+    // Disk of radius r at height h, centered above: E = pi L r^2 / (r^2 + h^2).
     SceneBuilder b = floor_scene(0.5f);
     b.add(Disk{{0, 2, 0}, {0, -1, 0}, 1}, b.diffuse(0, {3, 3, 3}));
     b.scene.cameras[0].position = {0.3, 0.5, 0};
@@ -279,7 +278,7 @@ TEST(Lights, PointSpotAndDirectional)
 {
     const auto mean = [](const Light& light, Vec3d from) {
         SceneBuilder b = floor_scene(0.5f);
-        // The node's -z looks down.
+        // The node's -z points down.
         b.light(light, Transform::translate(from) * Transform::rotate({1, 0, 0}, -std::numbers::pi / 2));
         return render_film(b.scene, small_picture(16, 16), 16);
     };
@@ -288,7 +287,7 @@ TEST(Lights, PointSpotAndDirectional)
     expect_mean(mean(light, {1, 2, 0}), 0.5 / std::numbers::pi * 5 / 5 * (2 / std::sqrt(5.0)), 0.005);
     light.kind = LightKind::directional;
     expect_mean(mean(light, {0, 0, 0}), 0.5 / std::numbers::pi * 5);
-    // So large that directions would often meet it, if it were something to meet.
+    // A disk of directions so large that BSDF samples would often hit it if it were visible.
     light.angle = 1.2;
     expect_mean(mean(light, {0, 0, 0}), 0.5 / std::numbers::pi * 5);
     light.kind = LightKind::spot;
@@ -298,8 +297,8 @@ TEST(Lights, PointSpotAndDirectional)
     expect_mean(mean(light, {3, 2, 0}), 0, 0);
 }
 
-/// A spot's light from the middle of its cone to beyond its edge, for cones from a hair's breadth to more than half of
-/// all directions: KHR_lights_punctual's formula, in double.
+/// Spot light from the cone's center to beyond its edge, for tiny cones to more than a hemisphere: formula of
+/// KHR_lights_punctual in double precision.
 TEST(Lights, SpotOfEveryWidth)
 {
     const auto one_minus_cos = [](double a) { return 2 * std::sin(a / 2) * std::sin(a / 2); };
@@ -314,7 +313,7 @@ TEST(Lights, SpotOfEveryWidth)
                 light.intensity = {5, 5, 5};
                 light.inner_angle = inner * outer;
                 light.outer_angle = outer;
-                // Above the place that is seen; its axis, the node's -z, away from there by the angle.
+                // The light is above the visible point; its axis, the node's -z, is tilted away by the angle.
                 b.light(light, Transform::translate({0, 2, 0}) * Transform::rotate({0, 0, 1}, at * outer) *
                                    Transform::rotate({1, 0, 0}, -std::numbers::pi / 2));
                 const double edge = one_minus_cos(outer), falloff = edge - one_minus_cos(inner * outer),
@@ -327,8 +326,8 @@ TEST(Lights, SpotOfEveryWidth)
             }
 }
 
-/// Parallel light where a perpendicular meets its area, with the cosine at the floor and without any falloff: areas in
-/// nodes that turn, stretch, mirror and shear, straight above and far away.
+/// Beams: parallel light inside the area's perpendicular projection, with the cosine at the floor and no falloff, under
+/// rotation, scale, mirroring and shear, near and far.
 TEST(Lights, Beams)
 {
     const auto expect_beam = [](const Transform& place, bool round) {
@@ -340,7 +339,7 @@ TEST(Lights, Beams)
         light.width = 1.6, light.height = 0.6;
         light.round = round;
         b.light(light, place);
-        // What meets the area at right angles, in shares of its sides: by the normal equations of least squares.
+        // Foot of the perpendicular in the area's coordinates, by the normal equations of least squares.
         const Vec3d u = place.vector({0.8, 0, 0}), v = place.vector({0, 0.3, 0}), from = -place.point({0, 0, 0});
         Vec3d n = normalize(cross(u, v));
         if (dot(n, place.vector({0, 0, -1})) < 0) n = -n;
@@ -362,7 +361,8 @@ TEST(Lights, Beams)
                          {Transform(), Transform::rotate({0.3, 1, 0.2}, 0.4), Transform::scale({-1, 1.5, 2}),
                           Transform::rotate({0, 0, 1}, 0.5) * Transform::scale({1, 2, 1}) *
                               Transform::rotate({1, 0, 1}, 0.3)}) {
-                        // Its node's -z looks down; the place seen is so far from the area's middle, along its axis.
+                        // The node's -z points down; the visible point has this distance from the area's center along
+                        // its axis.
                         const Transform down = Transform::rotate({1, 0, 0}, -std::numbers::pi / 2) * form;
                         const Vec3d u = down.vector({1, 0, 0}), v = down.vector({0, 1, 0});
                         Vec3d n = normalize(cross(u, v));
@@ -373,7 +373,7 @@ TEST(Lights, Beams)
     EXPECT_GT(dark, 100);
 }
 
-/// Chosen among other lights, few and many, as often as is right on average.
+/// Beams among few or many other lights are selected with the correct probability.
 TEST(Lights, BeamsBesideOthers)
 {
     for (const int others : {1, 40}) {
@@ -401,7 +401,7 @@ TEST(Lights, BeamsBesideOthers)
     }
 }
 
-/// What stands between the area and a place keeps the light off; what is behind the area does not.
+/// An object between the area and a point blocks the beam; one behind the area does not.
 TEST(Lights, ShadowsOfBeams)
 {
     for (const double height : {0.5, 1.5}) {
@@ -412,14 +412,15 @@ TEST(Lights, ShadowsOfBeams)
         light.kind = LightKind::beam;
         light.intensity = {5, 5, 5};
         b.light(light, Transform::translate({0, 1, 0}) * Transform::rotate({1, 0, 0}, -std::numbers::pi / 2));
-        // In the plane of the area itself, too, as of a shape that shines so.
+        // An object in the plane of the area does not block it either, such as the emitting surface itself.
         b.add(Rectangle{{-1, 1, -1}, {2, 0, 0}, {0, 0, 2}}, b.diffuse(0));
         b.add(Rectangle{{-0.2, height, -0.2}, {0.4, 0, 0}, {0, 0, 0.4}}, b.diffuse(0));
         expect_mean(render_film(b.scene, small_picture(4, 4), 4), height < 1 ? 0 : 0.5 / std::numbers::pi * 5, 1e-4);
     }
 }
 
-/// Angles that vanish give light that is finite: a directional one its irradiance, a spot nothing but on its axis.
+/// Vanishing angles give finite light: a directional light keeps its irradiance; a spot light emits only along its
+/// axis.
 TEST(Lights, AnglesNearZero)
 {
     for (double angle : {1e-4, 1e-6, 1e-7, 1e-12, 1e-20, 1e-40, 0.0}) {
@@ -446,7 +447,7 @@ TEST(Lights, ManyOfThemAddUp)
     double expected = 0;
     for (int i = 0; i < 20; ++i) {
         const double x = 0.4 * i - 4, e = 1 + i % 3;
-        // Small enough that none hides another.
+        // Small enough not to occlude each other.
         b.add(Sphere{{x, 3, 1}, 0.05 + 0.002 * i, {}}, b.diffuse(0, {float(e), float(e), float(e)}));
         const double d2 = x * x + 10, r = 0.05 + 0.002 * i;
         expected += 0.5 * e * r * r / d2 * 3 / std::sqrt(d2);
@@ -472,12 +473,12 @@ TEST(Alpha, OfEveryShape)
     }
 }
 
-/// Each layer decides for itself which rays it stops: n of them let (1 - alpha)^n through, whether they are shapes of
-/// their own or instances of one mesh, and also where they lie right behind each other.
+/// Each layer decides independently whether it stops a ray: n layers transmit (1 - alpha)^n, as separate shapes or as
+/// instances of one mesh, also directly behind each other.
 TEST(Alpha, OfAStackOfLayers)
 {
     constexpr std::uint32_t n = 48;
-    Mesh grid;  // large enough that copies are instances
+    Mesh grid;  // large enough that copies become instances
     for (std::uint32_t i = 0; i <= n; ++i)
         for (std::uint32_t j = 0; j <= n; ++j)
             grid.positions.push_back({4 * float(i) / n - 2, 4 * float(j) / n - 2, 0});
@@ -514,7 +515,7 @@ TEST(Alpha, OfAStackOfLayers)
             }
 }
 
-/// What a texture's alpha stops is what the same texture shows: black against white and white against black make white.
+/// A texture's alpha and its color match: black in front of white and white in front of black add up to white.
 TEST(Alpha, OfEveryTexture)
 {
     for (const TextureKind kind : {TextureKind::checker_uv, TextureKind::checker_space, TextureKind::noise,
@@ -547,7 +548,7 @@ TEST(Alpha, OfEveryTexture)
     }
 }
 
-/// A disk shows its texture in the same place when a transform makes an ellipse of it.
+/// A disk keeps its texture mapping when a transform turns it into an ellipse.
 TEST(Textures, OfADistortedDisk)
 {
     const auto mean = [](const Transform& transform) {
@@ -567,15 +568,15 @@ TEST(Textures, OfADistortedDisk)
         b.camera({0.3, 0.1, 3}, {0.3, 0.1, 0}, 10);
         return mean_of(render_film(b.scene, small_picture(), 64)).value[0];
     };
-    // A transform so near to none that the picture is the same.
+    // The transform makes an ellipse, but so close to a circle that the image is unchanged.
     const double expected = mean({});
     EXPECT_GT(expected, 0.1);
     EXPECT_LT(expected, 0.9);
     EXPECT_NEAR(mean(Transform::scale({1.0002, 1, 1})), expected, 0.01);
 }
 
-/// Shapes show their texture turned as their node is: the same picture as of a camera that goes round the other way,
-/// and where the node mirrors, that picture mirrored, since cameras are not.
+/// Textures rotate with their node: the image equals that of a camera rotated the other way and, for mirroring nodes,
+/// its mirror image, because cameras are not mirrored.
 TEST(Textures, TurnWithTheNode)
 {
     const Transform turn = Transform::rotate({0.3, 1, 0.5}, 1.1) * Transform::rotate({1, 0, 0}, 0.4);
@@ -624,7 +625,7 @@ TEST(Textures, TurnWithTheNode)
 
 TEST(Glass, AbsorbsByTheWayInside)
 {
-    // Through a slab at normal incidence: transmittance twice, absorption, and the series of reflections between.
+    // Slab at normal incidence: two transmissions, absorption, and the geometric series of internal reflections.
     SceneBuilder b;
     Material glass;
     glass.kind = MaterialKind::glass;
@@ -653,7 +654,7 @@ TEST(Camera, DepthNormalAndPositionOfAPlane)
         EXPECT_NEAR(image.find("position")->pixels[3 * i + 2], -3, 1e-3);
         EXPECT_EQ(image.find("material")->pixels[i], 0);
     }
-    // The middle of the picture looks along the axis; x grows to the right, y upwards.
+    // The image's center looks along the axis; x grows to the right, y upwards.
     const auto& p = image.find("position")->pixels;
     EXPECT_LT(p[3 * (12 * 32 + 2)], p[3 * (12 * 32 + 29)]);
     EXPECT_GT(p[3 * (2 * 32 + 16) + 1], p[3 * (21 * 32 + 16) + 1]);

@@ -7,7 +7,7 @@ namespace {
 
 using namespace test;
 
-/// Heights that grow by `value` a unit of red or green of where they are looked up.
+/// A bump map with slope `value` in red or green of the texture coordinates.
 int bumped(SceneBuilder& b, TextureMapping mapping, int channel, float value)
 {
     Texture place;
@@ -34,7 +34,7 @@ void expect_near(Vec3d a, Vec3d b, const std::string& what)
                                    << " " << b.z;
 }
 
-/// The normal of what rises from a surface of normal n by the gradient g.
+/// Normal of a surface with normal n displaced by a height of gradient g.
 Vec3d bent(Vec3d n, Vec3d g)
 {
     return normalize(n - (g - n * dot(g, n)));
@@ -47,7 +47,7 @@ struct Case {
     Vec3d along_u, along_v;  ///< gradients of the texture coordinates
 };
 
-/// Where the camera looks, from the outside.
+/// Shapes with the frame at the point that the camera sees from outside.
 std::vector<Case> cases()
 {
     const double r = 0.5, turn = 2 * std::numbers::pi * r;
@@ -66,7 +66,7 @@ std::vector<Case> cases()
             {"sphere", Sphere{{0, 0, 0}, r, {}}, out * r, out, east * (1 / (turn * from_axis)), south * (2 / turn)}};
 }
 
-/// A square of so many triangles that two of them are instances, where (u, v) = (x / 4 + y / 2, y / 8 - x).
+/// A square with enough triangles that two copies become instances, where (u, v) = (x / 4 + y / 2, y / 8 - x).
 Mesh sheet()
 {
     constexpr std::uint32_t n = 48;
@@ -100,7 +100,8 @@ SceneDescription scene_of(SceneBuilder& b, const Case& c, const Transform& trans
     return b.scene;
 }
 
-/// Heights count in units of the world, whatever places a shape there, and its own coordinates by how they go along it.
+/// Bump heights are in world units regardless of the node's scale; slopes follow the gradients of the texture
+/// coordinates.
 TEST(Bump, BendsNormalsByTheSlope)
 {
     for (const double size : {1.0, 3.0}) {
@@ -118,7 +119,7 @@ TEST(Bump, BendsNormalsByTheSlope)
     }
 }
 
-/// Heights of the place need no texture coordinates.
+/// Bump maps mapped by position need no texture coordinates.
 TEST(Bump, GoesByThePlaceToo)
 {
     const Transform transform = Transform::translate({1, -3, 2}) * Transform::rotate({1, 2, 3}, 0.8);

@@ -1,13 +1,12 @@
 #include "picture_helpers.h"
 
-// Each parameter of a camera, the pixel filters and the other layers of a film, by what they must show of simple
-// scenes.
+// Each camera parameter, pixel filter and film layer, checked by simple scenes.
 namespace fathom {
 namespace {
 
 using namespace test;
 
-/// White without light, before black.
+/// White unlit objects on a black background.
 struct Whites : SceneBuilder {
     int white(Color color = {1, 1, 1})
     {
@@ -28,7 +27,7 @@ TEST(CameraForms, FieldOfViewAspectAndHeight)
         for (double degrees : {20.0, 60.0, 110.0}) {
             Whites s;
             s.camera({0, 0, 3}, {0, 0, 0}, degrees);
-            // A rectangle that reaches over half of the picture's height and a quarter of its width.
+            // A rectangle over half of the image's height and a quarter of its width.
             const double h = 3 * std::tan(degrees * std::numbers::pi / 360) / 2, w = h / 2 * width / height;
             s.add(Rectangle{{-w, -h, 0}, {2 * w, 0, 0}, {0, 2 * h, 0}}, s.white());
             const std::vector<float> p = s.pixels(small_picture(width, height), 64);
@@ -36,7 +35,7 @@ TEST(CameraForms, FieldOfViewAspectAndHeight)
                 for (int x = 0; x < width; ++x) {
                     const bool in = std::abs(x + 0.5 - width / 2.0) < width / 8.0 &&
                                     std::abs(y + 0.5 - height / 2.0) < height / 4.0;
-                    // Pixels that its edge may touch say nothing.
+                    // Pixels near the rectangle's edge are skipped.
                     if (std::abs(std::abs(x + 0.5 - width / 2.0) - width / 8.0) < 0.75 ||
                         std::abs(std::abs(y + 0.5 - height / 2.0) - height / 4.0) < 0.75)
                         continue;
@@ -48,11 +47,11 @@ TEST(CameraForms, FieldOfViewAspectAndHeight)
         }
 }
 
-/// A camera of 40 degrees for pictures of 2 : 1, seen in pictures of other shapes: by hand, what the side of a picture
-/// is that keeps its angle, and from it the height.
+/// A camera of 40 degrees designed for 2:1 images, rendered at other aspect ratios: the side that keeps its angle, and
+/// the resulting height.
 TEST(CameraForms, WhatKeepsItsAngle)
 {
-    const double own = 3 * std::tan(20 * std::numbers::pi / 180);  // half of the height of 2 : 1, at a distance of 3
+    const double own = 3 * std::tan(20 * std::numbers::pi / 180);  // half height of the 2:1 image at a distance of 3
     struct Case {
         FovAxis axis;
         int width, height;
@@ -85,19 +84,19 @@ TEST(CameraForms, WhatKeepsItsAngle)
         }
 }
 
-/// Which way is up, and which is right: two lamps of different colour.
+/// Up and right directions, told apart by two lights of different color.
 TEST(CameraForms, PlaceDirectionAndRoll)
 {
     for (const bool nested : {false, true})
         for (double roll : {0.0, 0.5, std::numbers::pi / 2, 3.0}) {
             Whites s;
             s.camera({4, 1, 2}, {4, 1, -3}, 40);
-            // `up` need not be perpendicular to the view.
+            // `up` need not be perpendicular to the view direction.
             s.scene.cameras[0].up = {-2 * std::sin(roll), 2 * std::cos(roll), 1};
             s.add(Sphere{{5, 1, -3}, 0.1, {}}, s.white({1, 0, 0}));  // to the right
             s.add(Sphere{{4, 2, -3}, 0.1, {}}, s.white({0, 1, 0}));  // above
             s.add(Sphere{{4, 1, -3}, 0.1, {}}, s.white({0, 0, 1}));  // ahead
-            // All of it somewhere else, twice as large: the same picture.
+            // The whole scene moved and doubled in size gives the same image.
             if (nested)
                 s.scene.nodes[0].parent_from_node =
                     Transform::translate({10, -20, 30}) * Transform::rotate({1, 2, 3}, 1) * Transform::scale({2, 2, 2});
@@ -109,7 +108,7 @@ TEST(CameraForms, PlaceDirectionAndRoll)
                     const double v = p[std::size_t(3 * i + c)];
                     sum[c] += v, x[c] += v * (i % n + 0.5), y[c] += v * (i / n + 0.5);
                 }
-            // A metre at 5 m, in pixels.
+            // Size in pixels of one meter at a distance of 5 m.
             const double unit = n / 2.0 / (5 * std::tan(20 * std::numbers::pi / 180));
             const double cosine = std::cos(roll), sine = std::sin(roll);
             const double expected[3][2] = {{cosine, -sine}, {sine, cosine}, {0, 0}};
@@ -120,8 +119,8 @@ TEST(CameraForms, PlaceDirectionAndRoll)
         }
 }
 
-/// A point-like square at depth z through a lens of diameter a that is focused at f: a disk, whose diameter in the
-/// plane of focus is a |z - f| / z. Its second moment tells.
+/// A point-like square at depth z through a lens of diameter a focused at f: a disk whose diameter in the plane of
+/// focus is a |z - f| / z, measured by its second moment.
 TEST(CameraForms, CircleOfConfusion)
 {
     struct Case {
@@ -144,14 +143,15 @@ TEST(CameraForms, CircleOfConfusion)
             sum += v;
             for (int k = 0; k < 2; ++k) mean[k] += v * at[k], moment[k] += v * at[k] * at[k];
         }
-        // At distance 1, a pixel is 2 tan(15 deg) / n.
+        // Pixel size at distance 1 is 2 tan(15 deg) / n.
         const double focus = c.focus > 0 ? c.focus : c.look_at, pixel = 2 * std::tan(std::numbers::pi / 12) / n;
         const double radius = c.aperture / 2 * std::abs(c.depth - focus) / c.depth / focus / pixel;
-        // A uniform disk's, the square's own, and that of a pixel.
+        // Variances of the uniform disk, the square and the pixel.
         const double expected = radius * radius / 4 + std::pow(half / c.depth / pixel, 2) / 3 + 1.0 / 12;
         for (int k = 0; k < 2; ++k) {
             EXPECT_NEAR(mean[k] / sum, 0, 0.1);
-            // The fourth moment of a disk is twice the square of the second: as many samples as were hit.
+            // The fourth moment of a disk is twice the squared second moment; sum * samples is the number of samples
+            // that hit.
             const double error = expected / std::sqrt(sum * double(samples));
             EXPECT_NEAR(moment[k] / sum, expected, 4 * error + 0.01 * expected)
                 << c.aperture << " " << c.focus << " " << c.depth;
@@ -159,7 +159,7 @@ TEST(CameraForms, CircleOfConfusion)
     }
 }
 
-/// The edge of a white half plane between two pixels: the share of the filter that lies beyond, by adding it up.
+/// A white half plane: pixels near its edge have the filter's integral beyond the edge, computed numerically.
 TEST(FilterForms, ResponseToAnEdge)
 {
     const auto gaussian = [](double x) { return std::abs(x) < 2 ? std::exp(-2 * x * x) - std::exp(-8.0) : 0; };
@@ -192,8 +192,8 @@ TEST(FilterForms, ResponseToAnEdge)
             Whites s;
             s.camera({0, 0, 5}, {0, 0, 0});
             s.scene.cameras[0].kind = CameraKind::orthographic;
-            s.scene.cameras[0].height = 16;  // a pixel a metre
-            // The white is to the right, or below.
+            s.scene.cameras[0].height = 16;  // one pixel per meter
+            // White on the right, or at the bottom.
             s.add(upright ? Rectangle{{-50, -100, 0}, {100, 0, 0}, {0, 100, 0}}
                           : Rectangle{{0, -50, 0}, {100, 0, 0}, {0, 100, 0}},
                   s.white());
@@ -204,7 +204,7 @@ TEST(FilterForms, ResponseToAnEdge)
             for (int k = 0; k < 16; ++k) {
                 double mean = 0;
                 for (int j = 0; j < 16; ++j) mean += p[std::size_t(3 * (upright ? k * 16 + j : j * 16 + k))] / 16;
-                // The edge lies 8 - (k + 0.5) beyond the pixel's middle.
+                // The edge is 8 - (k + 0.5) beyond the pixel's center.
                 const double from = (8 - (k + 0.5)) * (radius > 0 ? own / radius : 1);
                 const double expected = filter == Filter::box        ? share_right(box, from)
                                         : filter == Filter::gaussian ? share_right(gaussian, from)
@@ -215,7 +215,7 @@ TEST(FilterForms, ResponseToAnEdge)
         }
 }
 
-/// The layers beside the picture: of a sphere, from its equation.
+/// Layers of a sphere against its equation.
 TEST(Layers, OfASphere)
 {
     for (const bool tree : {false, true}) {
@@ -235,7 +235,7 @@ TEST(Layers, OfASphere)
             const std::size_t i = std::size_t(y * 33 + x);
             const double scale = std::tan(15 * std::numbers::pi / 180) * 2 / 33;
             const Vec3d d = normalize(Vec3d{(x - 16) * scale, (16 - y) * scale, -1});
-            // (0, 0, 7) + t d, seen from the centre.
+            // Point (0, 0, 7) + t d relative to the center.
             const double t = -7 * d.z - std::sqrt(49 * d.z * d.z - 49 + 2.25);
             const Vec3d p = Vec3d{0, 0, 7} + d * t, n = p * (1 / 1.5);
             const auto value = [&](const char* name, std::size_t stride, std::size_t c) {
@@ -253,7 +253,7 @@ TEST(Layers, OfASphere)
             EXPECT_EQ(value("material", 1, 0), 1);
             EXPECT_EQ(image.layers[0].pixels[4 * i + 3], 1);
         }
-        // A corner sees nothing.
+        // A corner pixel sees no object.
         EXPECT_TRUE(std::isinf(image.find("depth")->pixels[0]));
         EXPECT_EQ(image.find("position")->pixels[1], 0);
         EXPECT_EQ(image.find("normal")->pixels[2], 0);
@@ -261,8 +261,8 @@ TEST(Layers, OfASphere)
     }
 }
 
-/// Planes at 4 and at 8 m, whose edge cuts a column of pixels: depth is along the axis, and the mean of the samples
-/// that hit. Albedo and normals are means of all samples, the sky's included; ids are those of one sample.
+/// Planes at 4 and 8 m whose edge cuts a pixel column. Depth is along the axis, averaged over samples that hit; albedo
+/// and normals average all samples including the sky; ids come from one sample.
 TEST(Layers, OfPlanesAndTheirEdge)
 {
     SceneBuilder b;
@@ -277,7 +277,7 @@ TEST(Layers, OfPlanesAndTheirEdge)
     const auto value = [&](const char* name, std::size_t stride, int x, int y) {
         return image.find(name)->pixels[stride * std::size_t(32 * y + x)];
     };
-    // A pixel is 0.25 m wide at 4 m: the near plane ends at 0.03 m, 12 % of the column right of the middle.
+    // A pixel is 0.25 m wide at 4 m: the near plane ends at 0.03 m, 12 % of the column right of the center.
     for (const int x : {0, 9, 15}) EXPECT_NEAR(value("depth", 1, x, 20), 4, 1e-4) << x;
     for (const int x : {17, 25, 31}) EXPECT_NEAR(value("depth", 1, x, 20), 8, 1e-4) << x;
     const float depth = value("depth", 1, 16, 20), share = (8 - depth) / 4;
@@ -286,7 +286,7 @@ TEST(Layers, OfPlanesAndTheirEdge)
     const float id = value("instance", 1, 16, 20);
     EXPECT_TRUE(id == 0 || id == 1);
     EXPECT_EQ(value("material", 1, 16, 20), id == 0 ? near : far);
-    // The far plane ends 2.1 m above the axis: at 0.5 m a pixel a fifth of the fifth row above the middle.
+    // The far plane ends 2.1 m above the axis: at 0.5 m per pixel, a fifth of the fifth row above the center.
     EXPECT_NEAR(value("depth", 1, 25, 11), 8, 1e-4) << "what sees the sky does not count";
     EXPECT_NEAR(value("albedo", 3, 25, 11), 0.2 * 0.25, 0.01);
     EXPECT_NEAR(value("normal", 3, 25, 11), 0, 1e-6);
@@ -297,7 +297,7 @@ TEST(Layers, OfPlanesAndTheirEdge)
     EXPECT_EQ(value("instance", 1, 25, 10), 0);
 }
 
-/// What is placed several times has an id for each place, and the material that is told there.
+/// Each placement of a shape has its own instance id, with the material of that placement.
 TEST(Layers, IdsOfInstances)
 {
     SceneBuilder b;
@@ -326,8 +326,7 @@ TEST(Layers, IdsOfInstances)
     }
 }
 
-/// Normals in the layer point towards the viewer, of surfaces seen from behind as well; of smooth meshes they are the
-/// vertices', mixed by place.
+/// The normal layer faces the viewer, also on back sides; smooth meshes have interpolated vertex normals.
 TEST(Layers, NormalsOfSmoothMeshesAndBacks)
 {
     SceneBuilder b;
@@ -337,7 +336,7 @@ TEST(Layers, NormalsOfSmoothMeshesAndBacks)
     mesh.indices = {0, 1, 2};
     b.scene.meshes.push_back(mesh);
     b.add(MeshInstance{0}, b.diffuse(0.5f));
-    b.add(Rectangle{{-1, -1, -4}, {0, 2, 0}, {2, 0, 0}}, b.diffuse(0.5f));  // its front looks away
+    b.add(Rectangle{{-1, -1, -4}, {0, 2, 0}, {2, 0, 0}}, b.diffuse(0.5f));  // its front faces away
     b.camera({0, 0, 5}, {0, 0, 0});
     b.scene.cameras[0].kind = CameraKind::orthographic;
     RenderSettings settings = small_picture(16, 16);
@@ -352,8 +351,8 @@ TEST(Layers, NormalsOfSmoothMeshesAndBacks)
     EXPECT_NEAR(image.find("normal")->pixels[3 * (2 * 16 + 13) + 2], 1, 1e-6);
 }
 
-/// All directions: each pixel's middle sees the environment where the formulas of the mapping say. Beside a gradient by
-/// height, which way is right and ahead is told by lamps.
+/// All-around cameras: each pixel center sees the environment in the direction of the projection's formula. A vertical
+/// gradient is joined by lights that identify right and ahead.
 TEST(CameraForms, AllDirections)
 {
     for (const bool equal_area : {false, true}) {
@@ -380,9 +379,9 @@ TEST(CameraForms, AllDirections)
             EXPECT_GT(at(0.5, 0).r, 3);
             EXPECT_GT(at(1, 0.5).g, 3);
             EXPECT_GT(at(0.5, 1).b, 3);
-            EXPECT_NEAR(at(0.5, 0.5).r, 1, 0.02);  // up
+            EXPECT_NEAR(at(0.5, 0.5).r, 1, 0.02);  // straight up
             for (const double corner : {0.0, 1.0}) EXPECT_NEAR(at(corner, corner).r, 0, 0.02);
-            // Each direction has its share: the mean of the whole sphere.
+            // Weighted by solid angle, the mean is that of the whole sphere.
             double sum = 0;
             for (std::size_t i = 0; i < pixels.size(); i += 3) sum += std::min(1.0, double(pixels[i])) / (w * h);
             EXPECT_NEAR(sum, 0.5, 0.005);

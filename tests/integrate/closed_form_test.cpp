@@ -1,4 +1,4 @@
-/// Lights, lenses and textures against formulas, one thing at a time: a factor of two anywhere shows.
+/// Lights, lenses and textures against closed forms, one at a time: any factor of two would show.
 #include "image/pictures.h"
 #include "picture_helpers.h"
 
@@ -9,7 +9,7 @@ using namespace test;
 
 constexpr double pi = std::numbers::pi;
 
-/// A diffuse floor seen from above through a narrow lens; the lights are all there is.
+/// A diffuse floor seen from above through a narrow lens; the added lights are the only illumination.
 SceneBuilder floor_scene(float albedo)
 {
     SceneBuilder b;
@@ -45,12 +45,12 @@ TEST(ClosedForm, DirectionalLightsAtAngles)
             light.angle = disk;
             b.light(light, Transform::rotate({0, 0, 1}, angle) * Transform::rotate({1, 0, 0}, -pi / 2));
             SCOPED_TRACE(std::to_string(disk) + " " + std::to_string(angle));
-            // Irradiance at normal incidence, times the cosine: exact while the disk is above the horizon.
+            // Irradiance at normal incidence times the cosine, exact while the disk is above the horizon.
             expect_mean(render_film(b.scene, small_picture(8, 8), 256), 0.5 / pi * 7 * std::cos(angle), 0.004);
         }
 }
 
-/// E = pi L sin^2 cos for a ball, of half angle a, in a direction; pi L r^2 / (r^2 + h^2) for a disk right above.
+/// E = pi L sin^2(a) cos for a sphere of half angle a; pi L r^2 / (r^2 + h^2) for a disk directly above.
 TEST(ClosedForm, BallsAndDisksAtDistances)
 {
     for (bool light_sampling : {true, false})
@@ -73,13 +73,13 @@ TEST(ClosedForm, BallsAndDisksAtDistances)
         }
 }
 
-/// Radiance is bilinear between the pixels of an environment of w by h: its irradiance by adding up directions.
+/// An environment of w x h pixels is interpolated bilinearly; its irradiance is integrated numerically.
 void expect_irradiance(int w, int h)
 {
     SCOPED_TRACE(std::to_string(w) + "x" + std::to_string(h));
     const TemporaryFolder folder;
     Image image = made_image(w, h);
-    for (int c = 0; c < 3; ++c) image.layers[0].pixels[std::size_t((1 * w + 5) * 3 + c)] = 20;  // a sun
+    for (int c = 0; c < 3; ++c) image.layers[0].pixels[std::size_t((1 * w + 5) * 3 + c)] = 20;  // a bright sun pixel
     write_image(folder.path() / "sky.exr", image, {});
     const auto texel = [&](int x, int y, int c) {
         return double(image.layers[0].pixels[std::size_t((std::clamp(y, 0, h - 1) * w + (x % w + w) % w) * 3 + c)]);
@@ -91,13 +91,13 @@ void expect_irradiance(int w, int h)
         return (texel(x0, y0, c) * (1 - fx) + texel(x0 + 1, y0, c) * fx) * (1 - fy) +
                (texel(x0, y0 + 1, c) * (1 - fx) + texel(x0 + 1, y0 + 1, c) * fx) * fy;
     };
-    // Turned, so that the picture's axes are told apart.
+    // A rotation that distinguishes the image's axes.
     const Transform turn = Transform::rotate({1, 2, 0.5}, 0.6);
     double expected[3] = {};
     constexpr int n = 1000;
     for (int i = 0; i < n; ++i)
         for (int j = 0; j < n; ++j) {
-            // Directions by the cosine: of a unit disk, raised.
+            // Cosine-weighted directions from points of the unit disk.
             const double r = std::sqrt((i + 0.5) / n), phi = 2 * pi * (j + 0.5) / n;
             const Vec3d d = turn.inverse().vector({r * std::cos(phi), std::sqrt(1 - r * r), r * std::sin(phi)});
             for (int c = 0; c < 3; ++c) expected[c] += radiance(d, c) / (n * n);
@@ -120,11 +120,11 @@ void expect_irradiance(int w, int h)
 TEST(ClosedForm, EnvironmentImages)
 {
     expect_irradiance(8, 4);
-    expect_irradiance(400, 200);  // larger than caches near a core: fetched ahead
+    expect_irradiance(400, 200);  // larger than the L2 cache, so texels are prefetched
 }
 
-/// A picture that is to give so many lux does so, whatever is in it: on what faces its top, or the middle of one in
-/// which all directions have their share. Times the colour.
+/// An environment with a given illuminance in lux has it for any image: on a surface that faces the image's top, or its
+/// center in mappings with equal solid angles. The color scales it.
 TEST(ClosedForm, IlluminanceOfPictures)
 {
     for (const bool equal_area : {false, true}) {
@@ -151,8 +151,8 @@ TEST(ClosedForm, IlluminanceOfPictures)
     }
 }
 
-/// An edge between black and white through a lens: of the circle that a point of a pixel sees there, the share beyond
-/// the edge. In focus the circle is a point.
+/// Blurred edge between black and white: the share of each pixel's circle of confusion that lies beyond the edge. In
+/// focus the circle is a point.
 TEST(ClosedForm, LensAndFocus)
 {
     constexpr double aperture = 0.2, distance = 3;
@@ -168,7 +168,7 @@ TEST(ClosedForm, LensAndFocus)
             camera.fov_y = 2 * std::atan(0.2 / distance);
             camera.aperture = aperture;
             camera.focus_distance = focus;
-            const double in_focus = focus > 0 ? focus : 4;  // else where the camera looks at
+            const double in_focus = focus > 0 ? focus : 4;  // by default the point that the camera looks at is in focus
             const double radius = aperture / 2 * std::abs(distance - in_focus) / in_focus;
             const Image image = render_film(b.scene, small_picture(width, width), 256).image(false, false);
             for (int x = 0; x < width; ++x) {
@@ -187,7 +187,7 @@ TEST(ClosedForm, LensAndFocus)
         }
 }
 
-/// A factor from one channel of a texture is the factor that the channel holds there.
+/// A parameter from one texture channel equals that channel's value.
 TEST(ClosedForm, ChannelsOfTextures)
 {
     const float in_texture[3] = {0.25f, 0.5f, 0.875f};

@@ -5,7 +5,7 @@ namespace {
 
 using namespace test;
 
-/// The picture's mean radiance against the mean of two independent programs over thousands of millions of samples.
+/// Mean radiance against the mean of two independent renderers with billions of samples.
 void expect_cornell(const char* name, const double (&expected)[3])
 {
     Warnings warnings;

@@ -1,6 +1,6 @@
 #include "floor.h"
 
-// Curves that glow: sampled as lights and found by chance they light a floor alike, but for the noise.
+// Emissive curves: with NEE and with BSDF sampling alone, they illuminate a floor equally except for noise.
 namespace fathom {
 namespace {
 
@@ -20,7 +20,7 @@ Curves glowing(CurveBasis basis, bool ribbons, float radius)
     return curves;
 }
 
-/// points: these move. both: they do in a node that does.
+/// points: the control points move; both: the node moves as well.
 enum class Place { world, placed, moving, points, both };
 constexpr Place places[] = {Place::world, Place::placed, Place::moving, Place::points, Place::both};
 
@@ -46,7 +46,7 @@ void add_curves(SceneBuilder& b, Curves curves, Place place)
         node.motion = {{0, {}},
                        {1, Transform::translate({0.6, 0.2, 0}) * Transform::rotate({0, 1, 0.1}, 1) *
                                Transform::scale({0.8, 0.8, 0.8})}};
-    // Placed twice they are instances.
+    // Two placements make instances.
     for (int i = 0; i < (place == Place::placed ? 2 : 1); ++i) {
         b.scene.roots.push_back(int(b.scene.nodes.size()));
         b.scene.nodes.push_back(node);
@@ -76,7 +76,7 @@ TEST(CurveLights, SampledOrByChanceTheSameLight)
                 }
 }
 
-/// Of thin ones nearly nothing is found by chance.
+/// BSDF sampling rarely hits thin curves, so NEE has much less noise.
 TEST(CurveLights, HaveLessNoise)
 {
     for (const bool ribbons : {false, true})
@@ -92,13 +92,13 @@ TEST(CurveLights, HaveLessNoise)
                 };
                 mean[light_sampling] = floor.irradiance(0.1, 0.2, 2);
             }
-            // Variance; 32,768 samples, of which some hundreds find the curve by chance.
+            // The variances differ by more than 10; of 32,768 samples without NEE a few hundred hit the curve.
             EXPECT_LT(std::pow(mean[1].error[0], 2), std::pow(mean[0].error[0], 2) / 10) << ribbons << int(place);
             EXPECT_NEAR(mean[1].value[0], mean[0].value[0], 4.5 * std::hypot(mean[0].error[0], mean[1].error[0]));
         }
 }
 
-/// A straight round curve against its cylinder and half balls, added up in cells.
+/// A straight round curve against its cylinder and end hemispheres, integrated over cells.
 TEST(CurveLights, ARodSendsWhatACapsuleDoes)
 {
     const double r = 0.1, y = 0.8, length = 1.2;
@@ -116,7 +116,7 @@ TEST(CurveLights, ARodSendsWhatACapsuleDoes)
             const Vec3d out{0, std::cos(a), std::sin(a)};
             add(Vec3d{-length / 2 + length * (i + 0.5) / n, y, 0} + out * r, out,
                 length / n * 2 * std::numbers::pi * r / n);
-            // Half a ball at each end: equal areas by height.
+            // The hemisphere at each end: equal heights have equal areas.
             for (const double side : {-1.0, 1.0}) {
                 const double h = (i + 0.5) / n, ring = std::sqrt(1 - h * h);
                 const Vec3d normal{side * h, ring * std::cos(a), ring * std::sin(a)};

@@ -7,7 +7,7 @@ namespace {
 
 using namespace test;
 
-/// Control points on a helix, with the radius r.
+/// Control points on a helix, with radius r.
 Curves helix(CurveBasis basis, bool ribbons, int points, float r)
 {
     Curves curves;
@@ -22,7 +22,7 @@ Curves helix(CurveBasis basis, bool ribbons, int points, float r)
     return curves;
 }
 
-/// The same on its way to another, which is thicker.
+/// The helix moving to a thicker one.
 Curves winding(CurveBasis basis, bool ribbons, int points, float r)
 {
     Curves curves = helix(basis, ribbons, points, r);
@@ -32,8 +32,8 @@ Curves winding(CurveBasis basis, bool ribbons, int points, float r)
     return curves;
 }
 
-/// White things in a white sky can't be seen: nothing is lost or gained, and no ray meets the surface that it left.
-/// Glancing light counts most there, so what is not quite closed shows.
+/// White curves in a white environment are invisible: no energy is lost or gained and no ray hits its own surface.
+/// Grazing light counts most, so any gap would show.
 TEST(CurvePicture, furnace)
 {
     for (CurveBasis basis : {CurveBasis::linear, CurveBasis::bezier, CurveBasis::bspline, CurveBasis::catmull_rom})
@@ -74,7 +74,7 @@ TEST(CurvePicture, balls)
     expect_mean(render_film(s.scene, settings, 64), 1, 1e-3);
 }
 
-/// Balls are spheres: the same picture, up to the order of the random choice of lights, glowing or not.
+/// Points of a point cloud render like spheres up to the random order of lights, emissive or not.
 TEST(CurvePicture, balls_are_spheres)
 {
     for (bool glow : {false, true}) {
@@ -105,7 +105,7 @@ TEST(CurvePicture, balls_are_spheres)
     }
 }
 
-/// Curves of each basis are where a fine polyline of it is.
+/// Curves of each basis coincide with a fine polyline of it.
 TEST(CurvePicture, bases_are_what_they_say)
 {
     const auto covered = [](const Curves& curves) {

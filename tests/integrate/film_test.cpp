@@ -59,7 +59,7 @@ TEST(Film, RefusesWhatDoesNotBelongTogether)
     SceneDescription moved = ball();
     moved.cameras[0].position.x = 1;
     EXPECT_THROW(film.merge(part(Scene::compile(moved, "", warnings), settings, {4, 5})), Error);
-    // Still what it was.
+    // The film is unchanged.
     EXPECT_TRUE(same(film, part(scene, settings, {0, 4})));
 }
 
@@ -110,9 +110,9 @@ TEST(Film, AlphaAndBackground)
     settings.background = Color{0, 0, 0};
     const Image image = part(scene, settings, {0, 16}).image(true, false);
     ASSERT_EQ(image.layers[0].channels.size(), 4u);
-    EXPECT_EQ(image.layers[0].pixels[3], 0);  // a corner: nothing
+    EXPECT_EQ(image.layers[0].pixels[3], 0);  // a corner pixel, transparent
     EXPECT_EQ(image.layers[0].pixels[0], 0);
-    EXPECT_EQ(image.layers[0].pixels[std::size_t(12 * 32 + 16) * 4 + 3], 1);  // the ball, lit by the sky behind it
+    EXPECT_EQ(image.layers[0].pixels[std::size_t(12 * 32 + 16) * 4 + 3], 1);  // the sphere, illuminated by the sky
     EXPECT_GT(image.layers[0].pixels[std::size_t(12 * 32 + 16) * 4], 0.1);
 }
 

@@ -5,8 +5,8 @@
 
 namespace fathom::test {
 
-/// A floor y = 0 seen at one point from right above. Each scene is rendered by each of the ways there are: as a room of
-/// quads, as a list with a sphere in it, by the tree, and with everything placed by instances.
+/// A floor y = 0 whose irradiance is measured at one point seen from above, by each rendering path: quad loop, list of
+/// shapes (with a sphere), BVH, and everything instanced.
 class Floor {
 public:
     static constexpr float albedo = 0.5f;
@@ -17,13 +17,13 @@ public:
     bool light_sampling = true;
     double shutter_close = 0;
 
-    /// The three channels' irradiance at (x, 0, z), by the picture's mean.
+    /// Irradiance at (x, 0, z) by channel, from the image's mean.
     Mean irradiance(double x, double z, int way) const
     {
         SceneBuilder b;
         b.add(Rectangle{{-50, 0, 50}, {100, 0, 0}, {0, 0, -100}}, b.diffuse(albedo));
         furnish(b);
-        // Out of everything's way.
+        // Extra spheres far from the measured point select the rendering path.
         for (int i = 0; i < (way == 0 ? 0 : way == 1 ? 1 : 100); ++i)
             b.add(Sphere{{40 - 0.1 * i, -3, 0}, 0.02, {}}, b.diffuse(0.5f));
         for (Node& node : b.scene.nodes) node.movable = way == 3;

@@ -1,6 +1,6 @@
 #include "picture_helpers.h"
 
-// Glass and mirrors, by the laws of reflection and refraction.
+// Glass and mirrors against the laws of reflection and refraction.
 namespace fathom {
 namespace {
 
@@ -14,8 +14,8 @@ Environment sky(Color color)
     return e;
 }
 
-/// Of index 1 nothing is reflected or bent: what is left is by the law of Beer, channel by channel, by the way through
-/// the slab.
+/// Glass of index 1 neither reflects nor refracts: transmission follows the Beer-Lambert law by the distance in the
+/// slab, per channel.
 TEST(GlassForms, AbsorptionByTheLengthOfTheWay)
 {
     for (const bool tree : {false, true})
@@ -43,8 +43,8 @@ TEST(GlassForms, AbsorptionByTheLengthOfTheWay)
             }
 }
 
-/// A thick slab shifts what stands behind it by d sin(a) (1 - cos(a) / (n cos(b))), seen across the ray; a thin one
-/// shows it where it is.
+/// A slab displaces the view behind it by d sin(a) (1 - cos(a) / (n cos(b))) perpendicular to the ray; thin glass does
+/// not.
 TEST(GlassForms, ASlabShiftsWhatIsBehindIt)
 {
     for (const bool thin : {false, true})
@@ -63,18 +63,19 @@ TEST(GlassForms, ASlabShiftsWhatIsBehindIt)
                 b.add(Rectangle{{-50, -50, 0}, {100, 0, 0}, {0, 100, 0}}, b.material(glass));
             else
                 b.add(Box{{-50, -50, -thickness}, {50, 50, 0}}, b.material(glass));
-            // A half plane behind, across the ray, whose edge is on the ray as it would go on.
+            // A half plane behind the slab, perpendicular to the ray, with its edge on the straight continuation of the
+            // ray.
             const Vec3d d{std::sin(a), 0, -std::cos(a)}, across{std::cos(a), 0, std::sin(a)};
             b.add(Rectangle{d * 20 + Vec3d{0, -9, 0}, across * 9, {0, 18, 0}}, b.material(light));
-            // From so far away that all of the picture begins before the slab.
+            // The camera is so far away that the whole image starts in front of the slab.
             b.camera(d * -15, {0, 0, 0});
             b.scene.cameras[0].kind = CameraKind::orthographic;
             b.scene.cameras[0].height = 4;
             RenderSettings settings = small_picture(64, 16);
-            // Straight through: two refractions, or one pass.
+            // Straight transmission takes two refractions, or one event of thin glass.
             settings.max_depth = thin ? 1 : 2;
             const Image image = render_film(b.scene, settings, 256).image(false, false);
-            // The picture is 16 wide; where it gets bright half way up its step.
+            // The image is 16 units wide; the edge is where brightness reaches half of its step.
             double full = 0, sum = 0;
             for (int x = 0; x < 64; ++x)
                 for (int y = 0; y < 16; ++y) {
@@ -82,8 +83,8 @@ TEST(GlassForms, ASlabShiftsWhatIsBehindIt)
                     sum += v / 16;
                     if (x >= 56) full += v / (16 * 8);
                 }
-            const double edge = 64 - sum / full;  // in pixels, from the left
-            // Refracted rays walk nearer to the slab's normal, and come out shifted against `across`.
+            const double edge = 64 - sum / full;  // in pixels from the left
+            // Refracted rays run closer to the normal and leave shifted against `across`.
             const double shift =
                 thin ? 0 : thickness * std::sin(a) * (1 - std::cos(a) / (double(ior) * std::cos(b_angle)));
             EXPECT_NEAR((edge - 32) / 4, shift, 0.06) << thin << " " << ior;
@@ -96,7 +97,7 @@ TEST(GlassForms, ASlabShiftsWhatIsBehindIt)
         }
 }
 
-/// A mirror shows what stands in the mirrored direction, times its colour.
+/// A mirror shows the mirrored direction times its color.
 TEST(MirrorForms, ShowsTheMirroredDirection)
 {
     SceneBuilder b;
@@ -117,8 +118,8 @@ TEST(MirrorForms, ShowsTheMirroredDirection)
     EXPECT_EQ(mean_of(render_film(b.scene, small_picture(4, 4), 16)).value[0], 0);
 }
 
-/// A ball of clear glass loses nothing, whatever the depth at which roulette begins: in a white sky it can't be seen.
-/// Of coloured glass, early roulette only adds noise.
+/// A clear glass sphere loses nothing at any roulette depth and is invisible in a white sky. For colored glass early
+/// roulette only adds noise.
 TEST(GlassForms, RouletteLosesNothing)
 {
     Mean means[2][2];

@@ -1,4 +1,4 @@
-/// RenderSettings::guiding: another way to the same picture.
+/// RenderSettings::guiding changes sampling but not the expected image.
 #include <numeric>
 
 #include "picture_helpers.h"
@@ -18,7 +18,7 @@ void add_room(SceneBuilder& b, int walls)
     b.add(Rectangle{{2, 0, -2}, {0, 0, 4}, {0, 3, 0}}, walls);
 }
 
-/// Two chambers with a gap between them, so wide. The lamp is in one, the camera in the other, with a ball of the
+/// Two chambers joined by a gap of the given width: the light is in one, the camera in the other with a sphere of the
 /// material.
 SceneDescription next_door(const Material& material, const Material& walls, double gap = 0.6)
 {
@@ -54,17 +54,17 @@ RenderSettings guided(RenderSettings settings = small_picture())
     return settings;
 }
 
-/// The means of two pictures differ by less than four and a half standard errors of the difference.
+/// The means of two images differ by less than 4.5 standard errors of the difference.
 void expect_same_mean(const Film& film, const Film& other, const std::string& what)
 {
     const Mean a = mean_of(film), b = mean_of(other);
     for (int c = 0; c < 3; ++c)
         EXPECT_NEAR(a.value[c], b.value[c], 4.5 * std::hypot(a.error[c], b.error[c])) << what << ", channel " << c;
-    // A difference of a fiftieth would be seen.
+    // The test would detect a difference of 2 %.
     EXPECT_LT(std::hypot(a.error[0], b.error[0]), 0.02 / 4.5 * b.value[0]) << what;
 }
 
-/// Guiding is in use: paths go other ways than without.
+/// Guiding is active: the sums differ from those without it.
 void expect_in_use(const SceneDescription& scene, const RenderSettings& settings, const std::string& what)
 {
     RenderSettings plain = settings;
@@ -82,7 +82,7 @@ RenderCosts costs_of(const SceneDescription& description, const RenderSettings& 
     return costs;
 }
 
-/// Of the vertices of paths, those at which a light was sampled.
+/// Fraction of path vertices with NEE.
 double light_share(const SceneDescription& description, const RenderSettings& settings)
 {
     const RenderCosts costs = costs_of(description, settings, 64);
@@ -119,7 +119,7 @@ TEST(Guiding, ChangesTheNoiseOnlyWhereLightsAreFoundByChance)
                      "by chance");
 }
 
-/// Glossy walls are guided less, and roulette goes by what they reflect.
+/// Glossy walls: guiding gets a lower weight, and roulette uses their reflectance.
 TEST(Guiding, ChangesTheNoiseOnlyBetweenGlossyWalls)
 {
     const SceneDescription scene = next_door(gray(0.8f), of_kind(MaterialKind::principled, 0.4f, 0.25f), 1);
@@ -127,11 +127,11 @@ TEST(Guiding, ChangesTheNoiseOnlyBetweenGlossyWalls)
     expect_same_mean(render_film(scene, guided(), 2048), render_film(scene, small_picture(), 4096), "glossy walls");
 }
 
-/// Two rooms, one above the other, with a hole between them, so wide. The lamp, of an edge so long, is in the upper
-/// one, the camera in the lower.
+/// Two rooms joined by a hole of the given width in the ceiling; the square light, of the given edge, is in the upper
+/// room, the camera in the lower.
 ///
-/// Above, lamps are seen from everywhere, below from hardly anywhere, and cubes of both kinds are neighbours across a
-/// thin ceiling: along y, by which a place is moved by the second of the numbers that move it.
+/// The light is visible almost everywhere above and hardly anywhere below. Guiding cells of both rooms are neighbors
+/// across the thin ceiling along y, the axis of the second random number of the position jitter.
 SceneBuilder upstairs(const Material& walls, double hole, double lamp)
 {
     SceneBuilder b;
@@ -144,7 +144,8 @@ SceneBuilder upstairs(const Material& walls, double hole, double lamp)
     return b;
 }
 
-/// Samples of lights that are left out are made up for by those that are taken, and by directions that find lamps.
+/// NEE with a probability is unbiased: the remaining samples are weighted up, and BSDF samples that hit lights complete
+/// MIS.
 TEST(Guiding, SamplesLightsByChanceWhereTheyRarelyArrive)
 {
     const SceneDescription scene = upstairs(gray(0.8f), 0.3, 1.8).scene;
@@ -153,7 +154,7 @@ TEST(Guiding, SamplesLightsByChanceWhereTheyRarelyArrive)
     expect_same_mean(render_film(scene, guided(), 4096), render_film(scene, small_picture(), 4096), "upstairs");
 }
 
-/// The same where shadow rays pass a pane and fog, in which lights are sampled, too.
+/// Probabilistic NEE stays unbiased if shadow rays pass a thin pane and fog, where NEE is used as well.
 TEST(Guiding, SamplesLightsByChanceInFog)
 {
     SceneBuilder b = upstairs(gray(0.85f), 1, 1);
@@ -170,7 +171,7 @@ TEST(Guiding, SamplesLightsByChanceInFog)
     expect_same_mean(render_film(b.scene, guided(), 768), render_film(b.scene, small_picture(), 1536), "fog");
 }
 
-/// Where the trial needed most of them, lights are sampled at every surface.
+/// If learning finds NEE useful at most vertices, it is used at every surface.
 TEST(Guiding, SamplesLightsEverywhereWhereTheyArrive)
 {
     const SceneDescription scene = upstairs(gray(0.7f), 2, 2).scene;
@@ -178,14 +179,14 @@ TEST(Guiding, SamplesLightsEverywhereWhereTheyArrive)
     EXPECT_EQ(light_share(scene, guided()), 1);
 }
 
-/// Of the lights that are sampled, the share for which a shadow ray is traced.
+/// Fraction of light samples whose shadow ray is traced.
 double shadow_share(const SceneDescription& description, const RenderSettings& settings)
 {
     const RenderCosts costs = costs_of(description, settings, 64);
     return double(costs.rays[std::size_t(RayKind::shadow)]) / double(costs.light_samples);
 }
 
-/// Far from a lamp it brings little; rays that are left out are made up for by those that are traced.
+/// Shadow rays far from a light contribute little; roulette skips some of them and weights up the others.
 TEST(Guiding, TracesShadowRaysThatAreWorthIt)
 {
     const SceneDescription scene = upstairs(gray(0.7f), 2, 2).scene;
@@ -193,7 +194,7 @@ TEST(Guiding, TracesShadowRaysThatAreWorthIt)
     expect_same_mean(render_film(scene, guided(), 2048), render_film(scene, small_picture(), 4096), "lamp");
 }
 
-/// A room that is open to the sky, which is seen by rays that arrive alone.
+/// A room open to the sky, which only unoccluded rays reach.
 TEST(Guiding, ChangesTheNoiseOnlyBelowASky)
 {
     SceneBuilder b;
@@ -211,7 +212,7 @@ TEST(Guiding, ChangesTheNoiseOnlyBelowASky)
     expect_same_mean(render_film(b.scene, guided(), 2048), render_film(b.scene, small_picture(), 4096), "sky");
 }
 
-/// In a closed room whose walls glow by 1 and reflect half there is a radiance of 2 everywhere.
+/// A closed room whose walls have emission 1 and albedo 1/2 has radiance 2 everywhere.
 TEST(Guiding, KeepsTheRadianceOfAClosedRoom)
 {
     SceneBuilder b;
@@ -238,7 +239,7 @@ TEST(Guiding, MakesLessNoiseNextDoor)
               0.4 * mean_variance(render_film(scene, small_picture(), 512)));
 }
 
-/// Roulette needs no depth to begin at where it is known what a path may bring.
+/// With a known expected contribution, roulette may start at any depth.
 TEST(Guiding, EndsPathsThatBringLittle)
 {
     const SceneDescription scene = next_door(gray(0.8f), gray(0.7f));
@@ -248,7 +249,7 @@ TEST(Guiding, EndsPathsThatBringLittle)
     EXPECT_LT(vertices(guided(patient)), 0.25 * vertices(patient));
 }
 
-/// And where surfaces are dark, few paths leave them.
+/// On dark surfaces roulette ends most paths.
 TEST(Guiding, EndsPathsOnDarkSurfaces)
 {
     const SceneDescription scene = next_door(gray(0.3f), gray(0.3f));
@@ -280,7 +281,7 @@ TEST(Guiding, HasTheSameBitsForAnyThreadsPassesAndCrop)
         for (std::size_t i = (y * 32 + 4) * per_pixel; i < (y * 32 + 20) * per_pixel; ++i) ASSERT_EQ(all[i], part[i]);
 }
 
-/// A sample replayed alone goes by the same guidance as in its picture.
+/// A replayed single sample uses the guiding data of its image.
 TEST(Guiding, ReplaysASample)
 {
     Warnings warnings;
@@ -297,7 +298,7 @@ TEST(Guiding, ReplaysASample)
     }
 }
 
-/// Where nearly all light is sampled straight from its lamp, there is nothing to learn.
+/// If NEE finds nearly all light, there is nothing to learn.
 SceneDescription lamp_above()
 {
     SceneBuilder b;
@@ -308,27 +309,27 @@ SceneDescription lamp_above()
     return b.scene;
 }
 
-/// The same bits as without.
+/// Guiding that does not pay is disabled: the sums equal those without it.
 TEST(Guiding, IsLeftOutWhereItWouldNotPay)
 {
     const SceneDescription scene = lamp_above();
     EXPECT_EQ(render_film(scene, guided(), 8).sums().words, render_film(scene, small_picture(), 8).sums().words);
 }
 
-/// The time that finding out took is told, whatever came out; where nobody asked for guiding there is none.
+/// Time for learning is reported even if guiding is then disabled; without guiding it is 0.
 TEST(Guiding, TellsTheTimeThatWasSpentOnLearning)
 {
     const auto learning_s = [&](const SceneDescription& scene, RenderSettings settings) {
         settings.measure = true;
         return costs_of(scene, settings, 1).seconds[std::size_t(RenderStage::learn)];
     };
-    // A quarter of a million paths: no machine takes less.
+    // Learning traces a quarter of a million paths, which takes at least a millisecond anywhere.
     EXPECT_GT(learning_s(next_door(gray(0.8f), gray(0.7f)), guided()), 0.001);
     EXPECT_GT(learning_s(lamp_above(), guided()), 0.001);
     EXPECT_EQ(learning_s(lamp_above(), small_picture()), 0);
 }
 
-/// Nothing is met that could be learnt from.
+/// No surface is hit, so there is nothing to learn from.
 TEST(Guiding, SurvivesAnEmptyPicture)
 {
     SceneBuilder b;

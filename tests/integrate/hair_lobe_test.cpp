@@ -1,6 +1,6 @@
 #include "picture_helpers.h"
 
-// Round curves that light gets into: solids with two sides.
+// Round glass curves: closed solids with an inside and an outside.
 namespace fathom {
 namespace {
 
@@ -27,7 +27,7 @@ Material glass(float ior)
     return m;
 }
 
-/// Nothing is lost in clear glass, nor gained: in a white sky it can't be seen.
+/// Clear glass loses and gains nothing: it is invisible in a white environment.
 TEST(Fibres, ClearGlassInAWhiteSky)
 {
     for (const CurveBasis basis :
@@ -54,7 +54,7 @@ TEST(Fibres, ClearGlassInAWhiteSky)
         }
 }
 
-/// How far a ray is within the balls that a chain of points sweeps, by small steps.
+/// Distance of a ray inside the spheres swept along a chain of points, by small steps.
 double way_within(const Curves& chain, Vec3d o, Vec3d d)
 {
     const auto is_within = [&](Vec3d p) {
@@ -73,8 +73,8 @@ double way_within(const Curves& chain, Vec3d o, Vec3d d)
     return way;
 }
 
-/// Of index 1 nothing is bent: what is left is by the law of Beer, by the way through all pieces together. From
-/// outside, and from a camera that is within.
+/// Glass of index 1 does not refract: transmission follows the Beer-Lambert law by the total distance inside all
+/// pieces. Cameras outside and inside.
 TEST(Fibres, AbsorbByTheWayThroughAllPieces)
 {
     const Curves chain = bent(CurveBasis::linear);
@@ -102,7 +102,7 @@ TEST(Fibres, AbsorbByTheWayThroughAllPieces)
     EXPECT_GT(thick, 25);
 }
 
-/// A straight fibre shows what a fine cylinder of triangles does.
+/// A straight glass curve renders like a fine cylinder of triangles.
 TEST(Fibres, AreCylindersOfGlass)
 {
     Mean mean[2];

@@ -1,6 +1,6 @@
 #include "picture_helpers.h"
 
-// Hair, whose fibres light gets through: one scattering each, whichever side it leaves on.
+// Hair: one scattering event covers reflection and transmission, whichever side the light leaves.
 namespace fathom {
 namespace {
 
@@ -40,7 +40,7 @@ Curves straight(bool ribbons)
     return rod;
 }
 
-/// Nothing is lost or gained: in a white sky white hair can't be seen, whatever is done with the curves.
+/// White hair in a white environment is invisible, under any transform of the curves.
 TEST(Hair, WhiteInAWhiteSky)
 {
     for (CurveBasis basis : {CurveBasis::linear, CurveBasis::bezier, CurveBasis::bspline, CurveBasis::catmull_rom})
@@ -65,7 +65,7 @@ TEST(Hair, WhiteInAWhiteSky)
         }
 }
 
-/// What a fibre gives back of light from everywhere, met across its width at h and from straight ahead, in double.
+/// Directional albedo of a fiber hit at offset h from straight ahead, in double precision.
 double share(double h, double sigma)
 {
     const double eta = 1.55, c = std::sqrt(1 - h * h), t = std::sqrt(1 - (1 - c * c) / (eta * eta));
@@ -74,8 +74,8 @@ double share(double h, double sigma)
     return f + (1 - f) * (1 - f) * left / (1 - f * left);
 }
 
-/// A rod across the view, of rays that are parallel but for a hundredth: each pixel's row is a place across the width.
-/// Where a path met its fibre twice less would be left.
+/// A rod across the view with nearly parallel rays (0.01 rad): each pixel row has its offset across the width.
+/// Scattering twice in one fiber would lose more light.
 TEST(Hair, AbsorbsByWhereAcrossTheWidthItIsMet)
 {
     const double sigma[3] = {0.1, 0.5, 2};
@@ -86,7 +86,7 @@ TEST(Hair, AbsorbsByWhereAcrossTheWidthItIsMet)
             s.scene.curves.push_back(straight(ribbons));
             s.add(CurvesInstance{0}, s.material(hair({0.1f, 0.5f, 2})));
             if (placed) s.scene.nodes[0].parent_from_node = Transform::scale({3, 3, 3});
-            // The camera is placed as the rod is.
+            // The camera moves with the rod.
             const double height = 16;
             s.camera({0, 0, 100}, {0, 0, 0}, 2 * std::atan(0.01) * 180 / std::numbers::pi);
             const Film film = render_film(s.scene, small_picture(16, int(height)), 256);
@@ -104,8 +104,8 @@ TEST(Hair, AbsorbsByWhereAcrossTheWidthItIsMet)
         }
 }
 
-/// Light from behind passes, whether it is sampled or found by chance: lights are weighted by where they were seen
-/// from, though rays begin beyond the rod.
+/// Light from behind is transmitted with NEE and with BSDF sampling: MIS uses the original shading point, though rays
+/// start beyond the rod.
 TEST(Hair, IsLitFromBehind)
 {
     for (const bool ribbons : {false, true}) {
@@ -115,7 +115,7 @@ TEST(Hair, IsLitFromBehind)
             s.scene.curves.push_back(straight(ribbons));
             s.add(CurvesInstance{0}, s.material(hair({0.2f, 0.2f, 0.2f})));
             s.camera({0, 0.3, 8}, {0, 0, 0}, 20);
-            // A square lamp close behind.
+            // A square light close behind the rod.
             s.add(Rectangle{{-4, -4, -3}, {8, 0, 0}, {0, 8, 0}}, s.diffuse(0, {1, 1, 1}));
             RenderSettings settings = small_picture(16, 16);
             settings.light_sampling = sampled;
@@ -127,7 +127,7 @@ TEST(Hair, IsLitFromBehind)
     }
 }
 
-/// Of the three ways to say what is absorbed the first that is above 0 counts.
+/// The first nonzero of melanin, absorption and color determines the absorption.
 TEST(Hair, ColourByMelaninAbsorptionOrColour)
 {
     const auto albedo = [](const Material& m) {
@@ -144,7 +144,7 @@ TEST(Hair, ColourByMelaninAbsorptionOrColour)
     Material by_absorption =
         hair({0.8f * 0.419f + 0.5f * 0.187f, 0.8f * 0.697f + 0.5f * 0.4f, 0.8f * 1.37f + 0.5f * 1.05f});
     Material by_color = hair({0, 0, 0});
-    // Chiang et al. 2016: of a roughness of 0.3 around the fibre.
+    // Fit of Chiang et al. 2016 for azimuthal roughness 0.3.
     const double fit = 5.969 - 0.215 * 0.3 + 2.532 * 0.09 - 10.73 * 0.027 + 5.574 * 0.0081 + 0.245 * 0.00243;
     const auto look = [&](double sigma) { return float(std::exp(-std::sqrt(sigma) * fit)); };
     const Color a = by_absorption.absorption.value;
@@ -157,7 +157,8 @@ TEST(Hair, ColourByMelaninAbsorptionOrColour)
     EXPECT_EQ(albedo(both).value[0], albedo(hair({0.3f, 0.3f, 0.3f})).value[0]);
 }
 
-/// On other shapes fibres run along growing u: a ball, a disk, a parallelogram and triangles of white hair.
+/// On other shapes, hair fibers run along increasing u: a sphere, a disk, a parallelogram and triangles with white
+/// hair.
 TEST(Hair, OnOtherShapes)
 {
     Mesh two;
@@ -181,7 +182,7 @@ TEST(Hair, OnOtherShapes)
     }
 }
 
-/// A band of triangles that faces the camera is met at the same places as a ribbon, so looks like it.
+/// A band of triangles that faces the camera has the offsets of a ribbon, so it looks alike.
 TEST(Hair, OnABandOfTrianglesAsOnARibbon)
 {
     Mean mean[2][2];
@@ -190,7 +191,7 @@ TEST(Hair, OnABandOfTrianglesAsOnARibbon)
             SceneBuilder s;
             Mesh band;
             band.positions = {{-20, -1, 0}, {20, -1, 0}, {20, 1, 0}, {-20, 1, 0}};
-            // v grows downwards in pictures.
+            // v grows downwards in images.
             band.uvs[0] = {{0, 1}, {1, 1}, {1, 0}, {0, 0}};
             band.indices = {0, 1, 2, 0, 2, 3};
             s.scene.meshes.push_back(band);
@@ -200,7 +201,7 @@ TEST(Hair, OnABandOfTrianglesAsOnARibbon)
                 s.add(MeshInstance{0}, m);
             else
                 s.add(CurvesInstance{0}, m);
-            // The upper or the lower half, lit from above: they differ.
+            // The upper or lower half, illuminated from above: they differ.
             Light sun;
             sun.kind = LightKind::directional;
             s.light(sun, shining({0.1, -1, -0.4}));

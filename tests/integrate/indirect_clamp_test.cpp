@@ -1,4 +1,4 @@
-/// RenderSettings::clamp_indirect, sample by sample, against the same samples without it.
+/// RenderSettings::clamp_indirect, sample by sample, compared with unclamped samples.
 #include "picture_helpers.h"
 
 namespace fathom {
@@ -6,7 +6,8 @@ namespace {
 
 using namespace test;
 
-/// A grey room with a small strong lamp in it, open in front. All light is grey: limits of channels are limits of sums.
+/// A gray room, open in front, with a small strong light. All light is gray, so clamping channels and clamping sums
+/// agree.
 SceneBuilder room()
 {
     SceneBuilder b;
@@ -21,7 +22,7 @@ SceneBuilder room()
     return b;
 }
 
-/// With a ball of glass, which makes a caustic of fireflies.
+/// With a glass sphere, whose caustic makes fireflies.
 SceneBuilder room_with_glass()
 {
     SceneBuilder b = room();
@@ -31,7 +32,7 @@ SceneBuilder room_with_glass()
     return b;
 }
 
-/// With so many balls that there is a tree.
+/// With enough spheres to need a BVH.
 SceneBuilder room_with_a_tree()
 {
     SceneBuilder b = room_with_glass();
@@ -40,7 +41,7 @@ SceneBuilder room_with_a_tree()
     return b;
 }
 
-/// What a sample has in all, and of it what comes by one surface at most.
+/// Radiance of a sample: total, and the part with at most one surface between camera and light.
 struct Parts {
     double all, direct;
 };
@@ -69,7 +70,7 @@ private:
     RenderJob all_, direct_;
 };
 
-/// Each sample is its direct light, and as much of the rest as the limit allows.
+/// Each clamped sample is its direct light plus the indirect part, limited.
 void expect_limited(const SceneDescription& description, RenderSettings settings, float limit, std::uint64_t samples)
 {
     const SamplesOf free(description, settings);
@@ -82,12 +83,12 @@ void expect_limited(const SceneDescription& description, RenderSettings settings
                 const Parts a = free.at(x, y, sample), b = clamped.at(x, y, sample);
                 ASSERT_EQ(a.direct, b.direct) << x << "," << y << " sample " << sample;
                 const double indirect = a.all - a.direct, expected = a.direct + std::min(indirect, double(limit));
-                // Sums of floats in other orders.
+                // Sums of floats in a different order.
                 ASSERT_NEAR(b.all, expected, 1e-5 * (a.all + limit)) << x << "," << y << " sample " << sample;
                 ++(indirect > limit ? cut : kept);
                 direct += a.direct > limit;
             }
-    // Else nothing was seen of it.
+    // Otherwise the test would have seen no clamping.
     EXPECT_GT(cut, 20);
     EXPECT_GT(kept, 20);
     EXPECT_GT(direct, 20);
@@ -99,9 +100,9 @@ TEST(IndirectClamp, LimitsWhatComesByTwoSurfacesInEachLoop)
         SCOPED_TRACE(light_sampling);
         RenderSettings settings = small_picture();
         settings.light_sampling = light_sampling;
-        // The loop for rooms of quads has other random numbers: the limit is the general loop's.
+        // The quad loop uses other random numbers, so both films use the general loop.
         settings.general_loop = true;
-        // Few paths find the lamp by chance.
+        // Few paths hit the light by BSDF sampling.
         const std::uint64_t samples = light_sampling ? 8 : 160;
         expect_limited(room().scene, settings, 0.25f, samples);
         expect_limited(room_with_glass().scene, settings, 0.25f, samples);
@@ -131,7 +132,7 @@ TEST(IndirectClamp, FarAboveAllLightChangesNoBit)
               render_film(scene, limited, 16).image(false, true).layers[0].pixels);
 }
 
-/// A caustic: noise of few samples, told, and gone with the limit.
+/// The warned-about caustic noise of few samples disappears with clamping.
 TEST(IndirectClamp, HidesTheFirefliesThatAreTold)
 {
     RenderSettings settings = small_picture(64, 48);

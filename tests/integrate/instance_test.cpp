@@ -7,7 +7,7 @@ namespace {
 
 using namespace test;
 
-/// A ball of 4,800 triangles, with normals or without.
+/// A sphere of 4,800 triangles, with or without vertex normals.
 Mesh ball(bool normals)
 {
     Mesh mesh;
@@ -28,8 +28,8 @@ Mesh ball(bool normals)
     return mesh;
 }
 
-/// What is placed looks as what stands there itself: stretched and mirrored, nested three deep, of coloured glass, for
-/// which inside and outside matter, and with light from one side.
+/// Instances render like transformed copies: stretched and mirrored, nested three deep, with colored glass, which needs
+/// inside and outside, and directional light.
 TEST(InstancePicture, is_that_of_the_mesh_itself)
 {
     for (bool normals : {false, true})
@@ -51,7 +51,7 @@ TEST(InstancePicture, is_that_of_the_mesh_itself)
                 Light sun;
                 sun.kind = LightKind::directional;
                 s.light(sun, Transform::rotate({1, 2, 0}, 1));
-                // outer: two places; middle: mirrored and stretched; inner: the shape.
+                // outer: two placements; middle: mirrored and stretched; inner: the shape.
                 for (int outer = 0; outer < 2; ++outer)
                     for (int middle = 0; middle < 2; ++middle) {
                         if (!instances || s.scene.meshes.empty()) s.scene.meshes.push_back(ball(normals));

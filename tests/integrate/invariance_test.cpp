@@ -5,7 +5,7 @@ namespace {
 
 using namespace test;
 
-/// A lit corner with a ball and a mesh, of a given size and place.
+/// An illuminated corner with a sphere and a mesh, of the given size and position.
 SceneDescription corner(double s, Vec3d shift)
 {
     SceneBuilder b;
@@ -49,7 +49,7 @@ TEST(Invariance, ScaleAndPlaceChangeThePictureByRoundingOnly)
     for (double s : {1e-6, 1e-3, 1e6})
         for (double far : {0.0, 1e7}) {
             const Film other = render_film(corner(s, Vec3d{far, -far, far} * (4 * s)), small_picture(), 64);
-            // The same random numbers: paths differ only where rounding decides.
+            // With equal random numbers, paths differ only where rounding decides.
             EXPECT_LT(mean_difference(one, other), 0.01) << s << " " << far;
             EXPECT_NEAR(mean_of(other).value[0], expected.value[0], 4 * expected.error[0]) << s << " " << far;
         }

@@ -1,4 +1,4 @@
-// Lamps that cameras look through, and lamps that no ray meets.
+// Lights hidden from the camera, and lights that no ray hits.
 #include "picture_helpers.h"
 
 namespace fathom {
@@ -16,7 +16,7 @@ Material lamp(float radiance)
     return m;
 }
 
-/// A small floor of reflectance 1/2 below a square lamp of 2 by 2, 1 above it, seen from above through the lamp.
+/// A small floor of reflectance 1/2 below a square 2 x 2 light at height 1, seen from above through the light.
 struct LitFloor : SceneBuilder {
     explicit LitFloor(const Material& light)
     {
@@ -26,8 +26,8 @@ struct LitFloor : SceneBuilder {
     }
 };
 
-/// What a square of a unit's half width sends down to a place a unit below its middle: four times the form factor of a
-/// quarter of it (Cohen and Wallace 1993, the parallel rectangle seen from a corner).
+/// Irradiance at distance 1 below the center of a square of half width 1 with unit radiosity: four times the form
+/// factor of a quarter (Cohen and Wallace 1993, parallel rectangle seen from a corner).
 double radiosity()
 {
     const double x = 1, y = 1, a = std::sqrt(1 + x * x), b = std::sqrt(1 + y * y);
@@ -40,7 +40,7 @@ TEST(LampVisibility, CamerasLookThroughHiddenLamps)
     expect_mean(render_film(LitFloor(light).scene, small_picture(4, 4), 64), 0);
     light.hidden_from_camera = true;
     expect_mean(render_film(LitFloor(light).scene, small_picture(4, 4), 1024), 0.5 * 3 * radiosity());
-    // From in front as well.
+    // Also from its front.
     LitFloor turned(light);
     turned.scene.nodes[0].shapes[1].geometry = Rectangle{{-1, -1, 1}, {2, 0, 0}, {0, 2, 0}};
     expect_mean(render_film(turned.scene, small_picture(4, 4), 64), 0);
@@ -52,19 +52,19 @@ TEST(LampVisibility, NoRayMeetsInvisibleLights)
     light.invisible_light = true;
     const double expected = 0.5 * 3 * radiosity();
     expect_mean(render_film(LitFloor(light).scene, small_picture(4, 4), 1024), expected);
-    // Whatever its alpha says.
+    // Alpha has no effect.
     light.alpha_mode = AlphaMode::blend;
     for (const float alpha : {0.f, 0.5f}) {
         light.alpha.value = alpha;
         expect_mean(render_film(LitFloor(light).scene, small_picture(4, 4), 1024), expected);
     }
-    // It hides nothing: another lamp above it counts as well.
+    // The light occludes nothing: another light above it contributes too.
     LitFloor two(light);
     two.add(Rectangle{{-2, -2, 2}, {0, 4, 0}, {4, 0, 0}}, two.material(light));
     expect_mean(render_film(two.scene, small_picture(4, 4), 2048), 2 * expected);
 }
 
-/// A mirror shows lamps that are hidden from the camera, and none that no ray meets.
+/// A mirror shows lights that are hidden from the camera, but not invisible lights.
 TEST(LampVisibility, InMirrors)
 {
     for (const bool is_hidden : {true, false}) {
@@ -78,7 +78,7 @@ TEST(LampVisibility, InMirrors)
     }
 }
 
-/// A round lamp and one of triangles shine alike where they are invisible.
+/// A sphere and a mesh of triangles illuminate equally when they are invisible.
 TEST(LampVisibility, InvisibleBalls)
 {
     for (const bool is_invisible : {false, true}) {
@@ -88,7 +88,7 @@ TEST(LampVisibility, InvisibleBalls)
         scene.add(Rectangle{{-1e-3, -1e-3, 0}, {2e-3, 0, 0}, {0, 2e-3, 0}}, scene.diffuse(1));
         scene.add(Sphere{{0, 0, 2}, 0.5, {}}, scene.material(light));
         scene.camera({1, 0, 1}, {0, 0, 0}, 0.01);
-        // A ball of radius r at a distance d straight above sends L (r / d)^2.
+        // A sphere of radius r at distance d straight above contributes L (r / d)^2.
         expect_mean(render_film(scene.scene, small_picture(4, 4), 1024), 10.0 / 16, 0.003);
     }
 }

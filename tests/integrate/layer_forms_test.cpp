@@ -4,7 +4,7 @@
 
 #include "picture_helpers.h"
 
-// What textures, normals and tangents do to surfaces of layers, by arithmetic: a square under one distant light.
+// Effects of textures, normal maps and tangents on layered materials: a square under one directional light.
 namespace fathom {
 namespace {
 
@@ -12,12 +12,12 @@ using namespace test;
 
 constexpr double pi = std::numbers::pi;
 
-/// Of a square in the plane z = 0 whose tangent is +x and whose normal is +z.
+/// Radiance of a square in the plane z = 0 with tangent +x and normal +z.
 struct Shown {
     Vec3d to_eye = normalize(Vec3d{0.5, -0.3, 1});
     Vec3d to_light = normalize(Vec3d{-0.2, 0.6, 0.8});
 
-    /// The radiance that a light of 1 lux makes of it: f cos.
+    /// f cos: the reflected radiance of a directional light of illuminance 1.
     Color of(const std::function<void(Material&, SceneBuilder&)>& furnish) const
     {
         SceneBuilder b;
@@ -55,7 +55,7 @@ void expect_equal(const Color& a, const Color& b, const std::string& what)
     EXPECT_NEAR(a.b, b.b, 1e-4 * b.b + 1e-7) << what;
 }
 
-/// Something of everything, so that each parameter matters.
+/// Enables every layer, so that each parameter matters.
 void furnish_all(Material& m)
 {
     m.base_color.value = {0.6f, 0.5f, 0.4f};
@@ -71,7 +71,7 @@ void furnish_all(Material& m)
     m.thin_film.value = 0.5f, m.thin_film_thickness.value = 350;
 }
 
-/// The same of Disney's, on a solid or a sheet.
+/// The counterpart for the Disney closure, solid or thin.
 void furnish_disney(Material& m, bool thin)
 {
     m.kind = MaterialKind::disney;
@@ -86,7 +86,7 @@ void furnish_disney(Material& m, bool thin)
 
 using Number = std::pair<const char*, FloatInput Material::*>;
 
-/// A number times a channel of a texture is that product; and it matters.
+/// A number times a texture channel equals the plain product, and changes the result.
 void expect_textured_numbers(const Shown& shown, void (*furnish)(Material&), std::span<const Number> numbers)
 {
     for (const auto& [name, member] : numbers)
@@ -133,7 +133,7 @@ TEST(LayerForms, DisneysNumbersHaveTextures)
                             {"roughness", &Material::roughness},
                             {"transmission", &Material::transmission}};
     const Number sheet[] = {{"diffuse_transmission", &Material::diffuse_transmission}};
-    // Where sheen is seen.
+    // Directions at which sheen is visible.
     const Shown shown{normalize(Vec3d{1.5, -0.3, 0.5}), normalize(Vec3d{-1.2, 0.6, 0.4})};
     expect_textured_numbers(shown, [](Material& m) { furnish_disney(m, false); }, solid);
     expect_textured_numbers(shown, [](Material& m) { furnish_disney(m, true); }, sheet);
@@ -153,7 +153,7 @@ TEST(LayerForms, ColoursHaveTextures)
     for (const auto& [name, member] : colors) {
         Shown shown;
         const bool is_beyond = name.find("transmission") != std::string::npos;
-        // Far from the facets' normals, where metal has an edge.
+        // Grazing directions, where the edge color of a metal shows.
         if (name == "edge_color")
             shown.to_eye = normalize(Vec3d{3, 0, 1}), shown.to_light = normalize(Vec3d{-3, 0.2, 1});
         if (is_beyond) shown.to_light = normalize(Vec3d{-0.4, 0.3, -0.8});
@@ -172,7 +172,7 @@ TEST(LayerForms, ColoursHaveTextures)
     }
 }
 
-/// Diffuse transmission: of light from behind, Lambert's share.
+/// Diffuse transmission of light from behind: Lambert's law times the transmitted fraction.
 TEST(LayerForms, DiffuseTransmissionOfLightFromBehind)
 {
     Shown shown;
@@ -185,7 +185,7 @@ TEST(LayerForms, DiffuseTransmissionOfLightFromBehind)
     expect_equal(c, {float(0.9 * lambert), float(0.5 * lambert), float(0.2 * lambert)}, "from behind");
 }
 
-/// GGX with the height-correlated masking term, of alphas along t and b; f0 by Schlick. f times the cosine.
+/// f cos of GGX with height-correlated masking (alphas along t and b) and Schlick's Fresnel term with f0.
 double ggx(Vec3d n, Vec3d t, Vec3d b, double along, double across, double f0, Vec3d o, Vec3d l)
 {
     const Vec3d h = normalize(o + l);
@@ -199,7 +199,7 @@ double ggx(Vec3d n, Vec3d t, Vec3d b, double along, double across, double f0, Ve
     return f * d / (1 + lambda(o) + lambda(l)) / (4 * dot(n, o));
 }
 
-/// A coat has its own normal map, which the base's does not bend, nor it the base.
+/// The coat's normal map does not bend the base, and the base's normal map does not bend the coat.
 TEST(LayerForms, CoatHasItsOwnNormal)
 {
     const Vec3d n = normalize(Vec3d{0.3, 0.2, 1});
@@ -217,8 +217,8 @@ TEST(LayerForms, CoatHasItsOwnNormal)
         EXPECT_NEAR(c.g, f, 2e-3 * f) << "base bent: " << base_is_bent;
     }
 }
-/// What a surface shows whose facets are drawn out along the direction at this angle to its tangent. mapped: how much
-/// of the angle a map says; n: the normal, by a map.
+/// Radiance of a surface with anisotropic facets stretched at this angle to its tangent. mapped: part of the angle that
+/// comes from a map; n: normal from a map.
 void expect_drawn_out(double angle, double mapped, Vec3d n)
 {
     const Shown shown;
@@ -238,7 +238,7 @@ void expect_drawn_out(double angle, double mapped, Vec3d n)
     const double f = ggx(n, t, b, 0.25 + 0.75 * 0.64, 0.25, 0.3, shown.to_eye, shown.to_light);
     EXPECT_NEAR(c.g, f, 2e-3 * f) << "angle " << angle << ", mapped " << mapped << ", normal " << n.x;
 }
-/// Anisotropy lies along the tangent, turned towards the bitangent; a map's direction is turned with it.
+/// Anisotropy is rotated from the tangent towards the bitangent; a map's direction adds to it.
 TEST(LayerForms, AnisotropyHasADirection)
 {
     for (const double angle : {0.0, 0.6, -1.1})
@@ -248,7 +248,7 @@ TEST(LayerForms, AnisotropyHasADirection)
         }
 }
 
-/// A metal's index of refraction counts, not what colours it has for means; in a mixture with what is no metal, too.
+/// If a metal has an index of refraction, its color is ignored, also in a mixture with a dielectric.
 TEST(LayerForms, MetalsReflectByTheirIndex)
 {
     const auto seen = [](float metallic, bool by_index) {
@@ -271,8 +271,8 @@ TEST(LayerForms, MetalsReflectByTheirIndex)
     EXPECT_LT(metal.b / white.b, 0.7);
 }
 
-/// Facets lie along the tangent of the shape: a square, a disk or a ball turned about the normal, with eye and light,
-/// looks as it did.
+/// Facets are oriented by the shape's tangent: a square, disk or sphere rotated about the normal together with viewer
+/// and light looks unchanged.
 TEST(LayerForms, TangentsTurnWithTheShape)
 {
     const auto seen = [](MaterialKind kind, int shape, double turn) {
@@ -283,7 +283,7 @@ TEST(LayerForms, TangentsTurnWithTheShape)
             m.kind = kind;
             m.metallic.value = 1, m.anisotropy.value = 0.9f;
             const int material = b.material(m);
-            // Above the one that is there already.
+            // Above the existing shape.
             const Vec3d along = turned.vector({1, 0, 0}), across = turned.vector({0, 1, 0}), up{0, 0, 0.01};
             if (shape == 0) b.add(Rectangle{up - along - across, along * 2, across * 2}, material);
             Node node;
@@ -302,7 +302,7 @@ TEST(LayerForms, TangentsTurnWithTheShape)
         }
 }
 
-/// A white solid keeps all light, also where a part of it, or each colour its own way, is refracted.
+/// A white solid keeps all light, also if part of it, or each color separately, is refracted.
 TEST(LayerForms, FurnaceOfSolids)
 {
     for (const float share : {0.5f, 1.0f})
@@ -315,7 +315,7 @@ TEST(LayerForms, FurnaceOfSolids)
             m.roughness.value = 0.05f;
             m.transmission.value = share;
             m.dispersion = dispersion;
-            m.specular.value = share == 1 ? 0.999f : 1;  // so that it is no plain glass
+            m.specular.value = share == 1 ? 0.999f : 1;  // slightly below 1, so that the closure is not plain glass
             b.add(Sphere{{0, 0, 0}, 1, {}}, b.material(m));
             b.scene.environment.kind = EnvironmentKind::constant;
             b.scene.environment.color = {1, 1, 1};

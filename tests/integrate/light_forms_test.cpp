@@ -2,7 +2,7 @@
 
 #include "floor.h"
 
-// What each kind of light sends to a point of a floor, against the formula for it, at several places.
+// Illumination of a floor point by each kind of light, against its formula, at several places.
 namespace fathom {
 namespace {
 
@@ -25,7 +25,8 @@ TEST(LightForms, Point)
     }
 }
 
-/// A perfect mirror would show a point as one, which no ray meets: of a smooth plastic a point lights only the body.
+/// A perfectly smooth plastic shows no specular reflection of a point light, because no ray hits it: only the diffuse
+/// base is lit.
 TEST(LightForms, PointsAreNotSeenInMirrors)
 {
     SceneBuilder b;
@@ -90,7 +91,7 @@ TEST(SpotForms, Linear)
 TEST(LightForms, DirectionalAndItsDisk)
 {
     for (const Vec3d& along : {Vec3d{0, -1, 0}, {1, -1, 0.5}, {-0.3, -0.6, 1}})
-        // A disk that is wholly above the horizon gives what its middle would: its radiance is that much less.
+        // A disk entirely above the horizon gives the irradiance of its center; its radiance is scaled accordingly.
         for (double angle : {0.0, 0.1, 0.7}) {
             Floor floor;
             floor.furnish = [&](SceneBuilder& b) {
@@ -105,7 +106,7 @@ TEST(LightForms, DirectionalAndItsDisk)
         }
 }
 
-/// The light of a uniform polygon that is wholly above the floor: Lambert's sum over its edges.
+/// Irradiance of a uniform polygon entirely above the floor: Lambert's sum over its edges.
 double polygon(const std::vector<Vec3d>& corners, Vec3d p)
 {
     Vec3d sum;
@@ -124,7 +125,7 @@ TEST(LightForms, RectanglesAndParallelograms)
     for (const Lamp& lamp : {Lamp{{-0.5, 1.2, -0.5}, {1, 0, 0}, {0, 0, 1.5}},     // parallel to the floor
                              {{1.2, 0.1, -0.5}, {0, 0.9, 0}, {0, 0, 1.5}},        // upright
                              {{-0.4, 0.8, 0.5}, {0.9, 0.4, 0}, {-0.2, 0.45, 1}},  // slanted
-                             {{-0.5, 1.2, -0.5}, {1, 0, 0.4}, {0.3, 0.2, 1.5}}})  // no right angle
+                             {{-0.5, 1.2, -0.5}, {1, 0, 0.4}, {0.3, 0.2, 1.5}}})  // not a right angle
         for (const Vec3d& p : floor_points)
             for (const bool light_sampling : {true, false}) {
                 if (!light_sampling && p.x != 0) continue;
@@ -144,7 +145,7 @@ TEST(LightForms, RectanglesAndParallelograms)
 
 TEST(LightForms, Triangles)
 {
-    // Its front is below; one of the points is behind it.
+    // Its front faces down; one of the points is behind it.
     const std::vector<Vec3d> corners = {{-0.5, 1.2, -0.5}, {0.9, 0.7, 0.1}, {-0.2, 0.9, 1.3}};
     for (const bool one_sided : {false, true})
         for (const Vec3d& p : floor_points) {
@@ -163,8 +164,7 @@ TEST(LightForms, Triangles)
         }
 }
 
-/// Triangles of one mesh, of very different sizes and slants: each is weighted as itself, also where it is found by
-/// chance.
+/// Triangles of one mesh with very different sizes and slants: MIS uses the density of the triangle that was hit.
 TEST(LightForms, TrianglesOfOneMesh)
 {
     const std::vector<Vec3d> corners[] = {{{-0.5, 0.9, -0.5}, {0.9, 0.7, 0.1}, {-0.2, 0.9, 1.3}},
@@ -191,8 +191,8 @@ TEST(LightForms, TrianglesOfOneMesh)
         }
 }
 
-/// Parallel to the floor, off its axis (Howell, B-13 turned into a point's).
-/// One lamp placed twice, once mirrored and stretched: each place is a light of its own, found by its instance.
+/// A triangle parallel to the floor, off its axis (polygon form of Howell, B-13). Two instances, one mirrored and
+/// scaled, are separate lights; a hit finds its light by instance.
 TEST(LightForms, CopiesOfOneMesh)
 {
     const Transform places[] = {
@@ -260,7 +260,7 @@ TEST(LightForms, Sphere)
     }
 }
 
-/// Of several lights of different kinds and strengths each counts once.
+/// Several lights of different kinds and strengths add up.
 TEST(LightForms, AllKindsTogether)
 {
     Floor floor;
@@ -283,7 +283,7 @@ TEST(LightForms, AllKindsTogether)
                  2e-3);
 }
 
-/// Whose front is turned away is dark; a transform that mirrors takes the front with it.
+/// The back of a light is dark; a mirroring transform mirrors its front as well.
 TEST(LightForms, SidesOfLamps)
 {
     for (const bool mirrored : {false, true})
@@ -295,7 +295,7 @@ TEST(LightForms, SidesOfLamps)
                     const int lamp = b.diffuse(0, {3, 3, 3});
                     const double up = upside_down ? 1 : -1;
                     Node node;
-                    // Mirrored along x, which is its own.
+                    // Mirrored along x, which maps the shape onto itself.
                     node.parent_from_node =
                         Transform::translate({0, 1, 0}) * Transform::scale({mirrored ? -1.0 : 1.0, 1, 1});
                     Shape shape;
@@ -308,10 +308,10 @@ TEST(LightForms, SidesOfLamps)
                     if (kind == 2 || kind == 3) {
                         Mesh mesh;
                         mesh.positions = {{-0.5f, 0, -0.5f}, {0.5f, 0, -0.5f}, {0, 0, 0.5f}};
-                        // With a fourth corner off its plane, so that nothing is joined.
+                        // The fourth vertex is off the plane, so the triangles are not joined.
                         mesh.indices =
                             up < 0 ? std::vector<std::uint32_t>{0, 1, 2} : std::vector<std::uint32_t>{0, 2, 1};
-                        // Vertex normals do not say which side is the front.
+                        // Vertex normals do not determine the front side.
                         if (kind == 3) mesh.normals.assign(3, {0, 1, 0});
                         shape.geometry = MeshInstance{int(b.scene.meshes.size())};
                         b.scene.meshes.push_back(mesh);
@@ -339,8 +339,8 @@ TEST(LightForms, ConstantAndGradientEnvironments)
     sky.color = {0.7f, 0.7f, 0.7f};
     floor.furnish = [&](SceneBuilder& b) { b.scene.environment = sky; };
     floor.expect(0.3, 0.1, 0.7 * std::numbers::pi);
-    // Mixed by (1 + cos) / 2 of the angle to the gradient's up; over the cosine-weighted half of the sky the mean of
-    // its cosine is 2/3 of that between both ups.
+    // Gradient: mix by (1 + cos) / 2 of the angle to its up direction. The cosine-weighted mean over the hemisphere is
+    // 2/3 of the cosine between both up directions.
     sky.kind = EnvironmentKind::gradient;
     sky.bottom = {1, 1, 1}, sky.top = {3, 3, 3};
     for (double angle : {0.0, 0.5, std::numbers::pi / 2, 2.5, std::numbers::pi}) {
@@ -350,7 +350,7 @@ TEST(LightForms, ConstantAndGradientEnvironments)
     }
 }
 
-/// The directions of an image's places, from the words of the format: its middle looks along +x, its top along +y.
+/// Direction of image coordinates by the format's documentation: the center looks along +x, the top along +y.
 Vec3d direction_of(double u, double v)
 {
     const double phi = 2 * std::numbers::pi * (u - 0.5), theta = std::numbers::pi * v;
@@ -367,8 +367,7 @@ protected:
     }
     ~ImageEnvironment() override { std::filesystem::remove(file_); }
 
-    /// Black but one texel, whose channels are 1, 2 and 3 times `bright`; on top of `grey` everywhere. first: values
-    /// that come first instead.
+    /// One texel of 1, 2 and 3 times `bright` by channel, on a background of `gray`. first: replaces the first values.
     void write(int x, int y, float bright, float gray, const std::vector<float>& first = {})
     {
         Image image;
@@ -380,8 +379,8 @@ protected:
         write_image(file_, image, {});
         x_ = x, y_ = y, bright_ = double(bright), grey_ = double(gray);
     }
-    /// The image between its texels: of the bright one a tent that ends at its neighbours' middles. Rows above the
-    /// first and below the last repeat them.
+    /// Bilinear weight of the bright texel: a tent that reaches its neighbors' centers. Rows beyond the first and last
+    /// repeat them.
     double tent(double u, double v) const
     {
         const double dx = std::abs(std::remainder(u * width - 0.5 - x_, double(width)));
@@ -411,7 +410,7 @@ TEST_F(ImageEnvironment, IsSeenWhereItIs)
             use(b, turn, {1, 0.5f, 2});
             b.add(Sphere{{0, 0, 0}, 1e-3, {}}, b.diffuse(0.5f));
             const Vec3d to = turn.vector(direction_of((column + 0.5) / width, (row + 0.5) / height));
-            // A thousandth of a degree is one direction.
+            // A field of view of 0.001 degrees is a single direction.
             b.camera(to, to * 2, 1e-3);
             const Mean m = mean_of(render_film(b.scene, small_picture(4, 4), 4));
             const double factor[] = {1, 0.5, 2};
@@ -423,7 +422,7 @@ TEST_F(ImageEnvironment, IsSeenWhereItIs)
     }
 }
 
-/// Irradiance of the floor, by adding up the image's light over the sky in fine steps.
+/// Irradiance of the floor by numerical integration of the image over the sky.
 TEST_F(ImageEnvironment, LightsTheFloor)
 {
     for (const auto& [x, y] : {std::pair{5, 2}, {0, 1}, {15, 3}, {8, 0}}) {
@@ -458,7 +457,7 @@ TEST_F(ImageEnvironment, LightsTheFloor)
     }
 }
 
-/// A sky seen through a pane and within fog lights as much whether it is sampled or found by chance.
+/// A sky seen through a pane and inside fog illuminates equally with NEE and without.
 TEST_F(ImageEnvironment, LightsWhatIsSeenThrough)
 {
     write(5, 2, 20, 0.1f);
@@ -491,7 +490,7 @@ TEST_F(ImageEnvironment, LightsWhatIsSeenThrough)
     }
 }
 
-/// A value that is no number would spoil all sums by which the sky is sampled.
+/// NaN in a texel would spoil the cumulative tables, so it becomes black.
 TEST_F(ImageEnvironment, ValuesThatAreNoNumbersAreBlack)
 {
     write(5, 2, 20, 0.1f);
@@ -514,7 +513,7 @@ TEST_F(ImageEnvironment, ValuesThatAreNoNumbersAreBlack)
     EXPECT_EQ(warnings.counts(), expected);
 }
 
-/// Sampled by luminance: next to no noise is left of a small bright sun in a dark sky.
+/// Importance sampling by luminance leaves almost no noise for a small bright sun in a dark sky.
 TEST_F(ImageEnvironment, IsSampledWhereItIsBright)
 {
     write(5, 1, 1000, 0.001f);
@@ -523,12 +522,12 @@ TEST_F(ImageEnvironment, IsSampledWhereItIsBright)
     floor.furnish = [&](SceneBuilder& b) { use(b, {}); };
     for (int way = 0; way < 4; ++way) {
         const Mean m = floor.irradiance(0, 0, way);
-        // Of 16,384 samples: a relative variance of about one each.
+        // 16,384 samples with a relative variance of about 1 each.
         EXPECT_LT(m.error[0] / m.value[0], 0.015) << Floor::ways[way];
     }
 }
 
-/// What one sees of the background lights nothing, and what lights is not seen there.
+/// A separate background is visible but does not illuminate; the environment illuminates but is not visible.
 TEST(LightForms, Background)
 {
     Floor floor;

@@ -8,13 +8,13 @@
 #include "fathom/image.h"
 #include "floor.h"
 
-// Lights whose intensity is a picture: what they send to points of a floor, by formulas in double.
+// Lights with an intensity image: irradiance of floor points against formulas in double precision.
 namespace fathom {
 namespace {
 
 using namespace test;
 
-/// A picture of bytes that count as they are: red, green, blue of each pixel.
+/// A linear 8-bit image: red, green, blue of each pixel.
 ImageFile picture_of(int width, int height, const std::vector<int>& values)
 {
     ImageFile file{"picture.ppm", {}, {}};
@@ -30,7 +30,7 @@ ImageFile profile_of(const std::string& numbers)
     return file;
 }
 
-/// The value of a picture at (u, v) from its top left, bilinear or nearest; its edges go on.
+/// Image value at (u, v) from the top left, bilinear or nearest, with clamped edges.
 double looked_up(int width, int height, const std::vector<int>& values, bool nearest, double u, double v, int channel)
 {
     const auto texel = [&](int x, int y) {
@@ -44,12 +44,12 @@ double looked_up(int width, int height, const std::vector<int>& values, bool nea
     return row(y0) + (y - y0) * (row(y0 + 1) - row(y0));
 }
 
-/// A light above a floor, and what it should send.
+/// A light above a floor, and its expected illumination.
 struct Case {
     Light light;
     ImageFile image;
     Transform place;
-    /// Candela along a unit direction of the node's space, by channel.
+    /// Luminous intensity along a unit direction in node space, by channel.
     std::function<double(const Vec3d&, int)> intensity;
 
     void expect(double x, double z, double relative = 1e-3) const
@@ -74,7 +74,7 @@ struct Case {
 
 const std::vector<int> colors = {255, 10, 40, 90, 200, 30, 20, 60, 250, 130, 120, 0, 5, 255, 99, 240, 240, 240};
 
-/// Right at +x, top at +y of a node that shines along -z; 3 by 2 pixels through tangents of tx, ty.
+/// 3 x 2 pixels with right at +x and top at +y of a node that emits along -z, over half angles with tangents tx and ty.
 std::function<double(const Vec3d&, int)> through_window(double tx, double ty, bool nearest, bool flat_field)
 {
     return [=](const Vec3d& d, int channel) {
@@ -107,7 +107,7 @@ TEST(LightPictures, ProjectorsThroughTheirWindow)
         for (const bool flat_field : {false, true}) {
             const Case c = projector(nearest, flat_field);
             for (const Vec3d& p : floor_places) c.expect(p.x, p.z);
-            // Within and beyond all four corners.
+            // Points inside and outside each of the four corners.
             for (const double x : {-1.0, 1.0})
                 for (const double y : {-1.0, 1.0})
                     for (const double share : {0.98, 1.02}) {
@@ -136,7 +136,7 @@ TEST(LightPictures, AnglesOfViewAcrossEachAxis)
     }
 }
 
-/// Scaled and sheared nodes leave the picture as it is, what mirrors mirrors it.
+/// Scaled and sheared nodes leave the image unchanged; mirroring nodes mirror it.
 TEST(LightPictures, NodesThatStretchAndMirror)
 {
     Case c = projector(false, false);
@@ -146,7 +146,7 @@ TEST(LightPictures, NodesThatStretchAndMirror)
     c = projector(false, false);
     c.place = straight * Transform::scale({-1, 1, 1});
     for (const Vec3d& p : floor_places) c.expect(p.x, p.z);
-    // Not at right angles: the axis and the picture's right stay, its top is what is upright on both.
+    // Under shear the axis and the image's right stay, and its top becomes perpendicular to both.
     Transform shear;
     shear.m[0][1] = 0.4, shear.m[1][1] = 2;
     const Case plain = projector(false, false);
@@ -162,7 +162,7 @@ TEST(LightPictures, NodesThatStretchAndMirror)
     EXPECT_NEAR(red(straight * shear), red(straight), 1e-4 * red(straight));
 }
 
-/// Without a picture a projector is white; one whose file can't be read is grey.
+/// A projector without an image is white; an unreadable image becomes gray.
 TEST(LightPictures, ProjectorsWithoutAPicture)
 {
     Case c = projector(false, false);
@@ -174,8 +174,8 @@ TEST(LightPictures, ProjectorsWithoutAPicture)
     for (const Vec3d& p : floor_places) c.expect(p.x, p.z);
 }
 
-/// All that a projector sends is its flux: through a square window there are 4 asin(sin^2 of half its angle) of solid
-/// angle, as a flat field the screen's area.
+/// Total flux of a projector: a square window covers the solid angle 4 asin(sin^2(half angle)); a flat field has the
+/// window's area.
 TEST(LightPictures, FluxIsSharedAmongAllDirections)
 {
     const double half = 0.45, t = std::tan(half);
@@ -203,7 +203,7 @@ TEST(LightPictures, FluxIsSharedAmongAllDirections)
     }
 }
 
-/// A picture of one colour is a point light, whichever way it is turned.
+/// A goniometric image of one color is a point light in any orientation.
 TEST(LightPictures, GoniometricOfOneColour)
 {
     Case c;
@@ -220,13 +220,13 @@ TEST(LightPictures, GoniometricOfOneColour)
     }
 }
 
-/// The left half of the picture is black: so is what lies to the left of the axis. So for its bottom, and its edges,
-/// which are behind the light.
+/// If the image's left half is black, so are directions left of the axis; likewise for its bottom half and for its
+/// edges, which are behind the light.
 TEST(LightPictures, HalvesOfAGoniometricPicture)
 {
     struct Half {
-        std::function<bool(int, int)> is_lit;      ///< by column and row of 32
-        std::function<double(const Vec3d&)> side;  ///< above 0 where there is light
+        std::function<bool(int, int)> is_lit;      ///< texel (column, row) of 32 x 32
+        std::function<double(const Vec3d&)> side;  ///< positive where light is emitted
     };
     const Half halves[] = {{[](int x, int) { return x >= 16; }, [](const Vec3d& d) { return d.x; }},
                            {[](int, int y) { return y < 16; }, [](const Vec3d& d) { return d.y; }},
@@ -247,13 +247,13 @@ TEST(LightPictures, HalvesOfAGoniometricPicture)
             c.place = Transform::translate({0.1, 1.4, 0.05}) *
                       Transform::rotate(normalize(Vec3d{chance(), chance(), chance()}), 3 * chance());
             const Vec3d p{0.5 * chance(), 0, chance()};
-            // Not where its steps are.
+            // Points near the image's steps are skipped.
             if (std::abs(half.side(normalize(c.place.inverse().point(p)))) > 0.3) c.expect(p.x, p.z);
         }
     }
 }
 
-/// Candela by the angles of the file: nadir where the light shines, 0 degrees at the node's +x, on towards its +y.
+/// Photometric angles: nadir is where the light points, 0 degrees is the node's +x, increasing towards its +y.
 TEST(LightPictures, ProfilesOfLuminaires)
 {
     Case c;
@@ -287,7 +287,7 @@ TEST(LightPictures, ProfilesOfLuminaires)
     }
 }
 
-/// A cone, and within it a picture over the square around it.
+/// A spot light's cone with an image over the square around it.
 TEST(LightPictures, SpotsShowThem)
 {
     Case c = projector(false, false);
@@ -301,7 +301,7 @@ TEST(LightPictures, SpotsShowThem)
     for (const Vec3d& p : floor_places) c.expect(p.x, p.z, 2e-3);
 }
 
-/// Bytes of a picture are sRGB unless they are said to be linear.
+/// 8-bit images are sRGB unless declared linear.
 TEST(LightPictures, ColourSpaces)
 {
     Case c = projector(false, false);
@@ -314,7 +314,7 @@ TEST(LightPictures, ColourSpaces)
     }
 }
 
-/// What is below 0, or no number, is dark.
+/// Negative values and NaN become black.
 TEST(LightPictures, OddValues)
 {
     const std::filesystem::path file = std::filesystem::temp_directory_path() / "fathom_odd_light.exr";
@@ -334,7 +334,7 @@ TEST(LightPictures, OddValues)
     std::filesystem::remove(file);
 }
 
-/// Forty lights with pictures that are mostly dark, and a sphere: what is chosen only changes the noise.
+/// Forty lights with mostly dark images and a sphere: light selection only changes the noise.
 TEST(LightPictures, SelectionOnlyChangesTheNoise)
 {
     std::mt19937 engine(11);
@@ -376,7 +376,7 @@ TEST(LightPictures, SelectionOnlyChangesTheNoise)
         }
 }
 
-/// An edited light shows what one compiled anew does, also if its picture is another.
+/// Editing a light gives the scene compiled anew, also if its image changes.
 TEST(LightPictures, Edits)
 {
     const Case c = projector(false, false);
@@ -410,7 +410,7 @@ TEST(LightPictures, Edits)
     change("spot", true, [](Light& l) { l.kind = LightKind::spot; });
 }
 
-/// One line that names the file.
+/// One warning that names the file.
 TEST(LightPictures, WhatCannotBeShown)
 {
     const auto error_of = [](const Light& light, const ImageFile& image) {

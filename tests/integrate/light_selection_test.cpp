@@ -3,8 +3,7 @@
 #include "fathom/edit.h"
 #include "picture_helpers.h"
 
-// Many lights, of which one is sampled at each surface: however it is chosen, the picture is the same but for its
-// noise.
+// Many lights of which one is sampled per vertex: the selection strategy changes only the noise.
 namespace fathom {
 namespace {
 
@@ -40,7 +39,7 @@ Mesh random_triangles(Chance& chance, int n)
     return mesh;
 }
 
-/// The node of lamps that a movement carries along.
+/// Index of the node with lights that moves.
 constexpr int carried_lamps = 1;
 
 std::vector<NodeKey> random_motion(Chance& chance)
@@ -53,7 +52,7 @@ std::vector<NodeKey> random_motion(Chance& chance)
     return keys;
 }
 
-/// Triangles, a panel and a spot of a node that moves, and triangles whose corners do.
+/// Triangles, a panel and a spot light in a moving node, and triangles with moving vertices.
 void add_moving_lights(SceneBuilder& b, Chance& chance)
 {
     Mesh mesh = random_triangles(chance, 5);
@@ -81,8 +80,8 @@ void add_moving_lights(SceneBuilder& b, Chance& chance)
     b.add(MeshInstance{int(b.scene.meshes.size()) - 1}, b.diffuse(0, {3, 3, 6}));
 }
 
-/// A glossy floor and a wall under lights of all kinds: one-sided and two-sided triangles, placed again by instances,
-/// what moves, balls, disks, points, spots, and in each third scene the sun.
+/// A glossy floor and a wall under all kinds of lights: one- and two-sided triangles, instances, moving lights,
+/// spheres, disks, points, spots, and a sun in every third scene.
 SceneDescription random_lights(unsigned seed)
 {
     Chance chance(seed);
@@ -94,7 +93,7 @@ SceneDescription random_lights(unsigned seed)
     glossy.roughness.value = 0.4f;
     b.add(Rectangle{{-3, 0, 3}, {6, 0, 0}, {0, 0, -6}}, b.material(glossy));
     b.add(Rectangle{{-3, 0, -3}, {6, 0, 0}, {0, 4, 0}}, b.diffuse(0.6f));
-    // Found by both ways: its highlight on the floor is wrong if they don't agree on probabilities.
+    // Hit by NEE and BSDF samples: its highlight on the floor is wrong if their probabilities disagree.
     b.add(Rectangle{{-1, 0.1, -1.5}, {2, 0, 0}, {0, 0.8, 0}}, b.diffuse(0, {3, 3, 3}));
     for (const bool two_sided : {false, true}) {
         b.scene.meshes.push_back(random_triangles(chance, int(seed) * 2));
@@ -157,14 +156,14 @@ TEST(LightSelections, OnlyChangeTheNoise)
     }
 }
 
-/// An edit moves lights: the tree is that of a scene compiled as it is then.
+/// After an edit that moves lights, the light tree equals that of the scene compiled anew.
 TEST(LightSelections, FollowAnEdit)
 {
     SceneDescription scene = random_lights(9);
     Warnings warnings;
     SceneEdit edit(scene);
     edit.compile(warnings);
-    const int lamps = scene.roots.back() - 5;  // an instance, before four lights and the sun
+    const int lamps = scene.roots.back() - 5;  // an instance before four lights and the sun
     const Transform moved = Transform::translate({-0.5, 0.4, 0.7});
     edit.set_transform(lamps, moved);
     scene.nodes[std::size_t(lamps)].parent_from_node = moved;

@@ -1,6 +1,6 @@
 #include "picture_helpers.h"
 
-// Measured surfaces as scenes show them: which way they lie, and that both ways to find light agree.
+// Scenes with measured materials: orientation, and agreement of NEE and BSDF sampling.
 namespace fathom {
 namespace {
 
@@ -8,7 +8,7 @@ using namespace test;
 
 constexpr double pi = std::numbers::pi;
 
-/// Reflects to all sides alike, each channel as much as its number for the view's phi says: integrals are 2 pi times
+/// A diffuse measured BRDF whose value per channel depends on the azimuth of the view only; integrals are 2 pi times
 /// it.
 MeasuredBrdf even(const std::vector<float>& phis, const std::vector<Color>& colors)
 {
@@ -50,7 +50,8 @@ void expect_color(const Film& film, const Color& c)
         EXPECT_NEAR(m.value[k], 2 * pi * double(expected[k]), 4 * m.error[k] + 0.003) << "channel " << k;
 }
 
-/// Phi counts from the tangent, which is edge_u of a rectangle, towards normal times tangent; behind it too.
+/// Azimuth is measured from the tangent, which is edge_u of a rectangle, towards cross(normal, tangent), also behind
+/// the surface.
 TEST(MeasuredScenes, LieAlongTheTangent)
 {
     for (const double turned : {0.0, 0.8})
@@ -59,13 +60,13 @@ TEST(MeasuredScenes, LieAlongTheTangent)
                 SceneBuilder s;
                 s.scene.environment.kind = EnvironmentKind::constant;
                 s.scene.measured = {even({0}, {{0.2f, 0.2f, 0.2f}}), even(quarters, by_quarter)};
-                // In front is up: edge_u times edge_v.
+                // The front faces up: cross(edge_u, edge_v).
                 s.add(Rectangle{{-1, 0, 1}, {2, 0, 0}, {0, 0, -2}}, s.material(measured(1)));
                 s.scene.nodes[0].parent_from_node = Transform::rotate({0, 1, 0}, turned);
                 const double a = azimuth * pi / 180, e = elevation * pi / 180;
                 const Vec3d from{30 * std::cos(e) * std::cos(a), 30 * std::sin(e), -30 * std::cos(e) * std::sin(a)};
                 s.camera(from, {0, 0, 0}, 1);
-                // The camera is in the node, and turns with it.
+                // The camera rotates with its node.
                 const double phi = std::remainder(a, 2 * pi), step = (phi + pi) / (pi / 2);
                 const auto below = std::size_t(step);
                 const auto t = float(step - double(below));
@@ -76,7 +77,7 @@ TEST(MeasuredScenes, LieAlongTheTangent)
             }
 }
 
-/// By the lamp that is sampled, and by directions that happen to meet it; its light is that of a polygon.
+/// NEE and BSDF sampling agree with the closed form of a polygonal light.
 TEST(MeasuredScenes, LampsAreFoundBothWays)
 {
     Mean means[2];
@@ -99,7 +100,7 @@ TEST(MeasuredScenes, LampsAreFoundBothWays)
     }
 }
 
-/// Albedo layers show about what is reflected.
+/// The albedo layer shows approximately the reflected fraction.
 TEST(MeasuredScenes, HaveAnAlbedo)
 {
     SceneBuilder s;

@@ -1,4 +1,4 @@
-/// Solids within each other, and what they absorb, against formulas.
+/// Nested solids and their absorption against closed forms.
 #include "picture_helpers.h"
 
 namespace fathom {
@@ -18,11 +18,11 @@ Material glass(double ior, double transmittance_of_a_metre = 1, int priority = 0
     return m;
 }
 
-/// What layers let through of light that falls on them at a right angle, and what they give back.
+/// Transmittance and reflectance of a stack of layers at normal incidence.
 struct Layers {
     double through = 1, back = 0;
 
-    /// One more boundary in front.
+    /// Adds a boundary in front.
     void boundary(double ior_a, double ior_b)
     {
         const double root = (ior_a - ior_b) / (ior_a + ior_b), r = root * root;
@@ -30,12 +30,12 @@ struct Layers {
         through *= (1 - r) * all;
         back = r + (1 - r) * (1 - r) * back * all;
     }
-    /// A way through a medium in front.
+    /// Adds an absorbing medium in front.
     void way(double transmittance) { through *= transmittance, back *= transmittance * transmittance; }
 };
 
-/// White light from behind through boxes that are met at a right angle.
-double classify_interface(const std::vector<std::pair<Box, Material>>& boxes, bool in_tree)
+/// White light from behind through boxes at normal incidence.
+double seen_through(const std::vector<std::pair<Box, Material>>& boxes, bool in_tree)
 {
     SceneBuilder b;
     for (const auto& [box, material] : boxes) b.add(box, b.material(material));
@@ -56,7 +56,7 @@ Box layer(double front, double back)
 TEST(Media, WaterInAGlass)
 {
     for (const bool in_tree : {false, true}) {
-        // The water reaches into the glass, which takes its place there.
+        // The water box overlaps the glass, whose higher priority displaces the water.
         Layers overlapping;
         overlapping.boundary(1.33, 1);
         overlapping.way(0.8);
@@ -64,19 +64,18 @@ TEST(Media, WaterInAGlass)
         overlapping.way(0.5);
         overlapping.boundary(1, 1.6);
         const std::pair<Box, Material> pane{layer(0, -1), glass(1.6, 0.5, 1)}, water{layer(-0.9, -2), glass(1.33, 0.8)};
-        EXPECT_NEAR(classify_interface({pane, water}, in_tree), overlapping.through, 0.006);
-        EXPECT_NEAR(classify_interface({water, pane}, in_tree), overlapping.through, 0.006);
-        // The other way round the pane ends where the water begins.
+        EXPECT_NEAR(seen_through({pane, water}, in_tree), overlapping.through, 0.006);
+        EXPECT_NEAR(seen_through({water, pane}, in_tree), overlapping.through, 0.006);
+        // With opposite priorities the glass ends where the water begins.
         Layers shorter;
         shorter.boundary(1.33, 1);
         shorter.way(0.8 * std::pow(0.8, 0.1));
         shorter.boundary(1.6, 1.33);
         shorter.way(std::pow(0.5, 0.9));
         shorter.boundary(1, 1.6);
-        EXPECT_NEAR(
-            classify_interface({{layer(0, -1), glass(1.6, 0.5)}, {layer(-0.9, -2), glass(1.33, 0.8, 1)}}, in_tree),
-            shorter.through, 0.006);
-        // Wholly within each other, without a word about it: what is inside counts.
+        EXPECT_NEAR(seen_through({{layer(0, -1), glass(1.6, 0.5)}, {layer(-0.9, -2), glass(1.33, 0.8, 1)}}, in_tree),
+                    shorter.through, 0.006);
+        // Fully nested without priorities: the inner medium applies.
         Layers inside;
         inside.boundary(1.6, 1);
         inside.way(0.5);
@@ -85,20 +84,19 @@ TEST(Media, WaterInAGlass)
         inside.boundary(1.6, 1.0);
         inside.way(0.5);
         inside.boundary(1, 1.6);
-        EXPECT_NEAR(classify_interface({{layer(0, -3), glass(1.6, 0.5)}, {layer(-1, -2), glass(1)}}, in_tree),
-                    inside.through, 0.006);
-        // Two of one glass are one.
+        EXPECT_NEAR(seen_through({{layer(0, -3), glass(1.6, 0.5)}, {layer(-1, -2), glass(1)}}, in_tree), inside.through,
+                    0.006);
+        // Overlapping boxes of one glass act as one.
         Layers one;
         one.boundary(1.6, 1);
         one.way(std::pow(0.5, 2.5));
         one.boundary(1, 1.6);
-        EXPECT_NEAR(
-            classify_interface({{layer(0, -1.5), glass(1.6, 0.5)}, {layer(-1, -2.5), glass(1.6, 0.5)}}, in_tree),
-            one.through, 0.006);
+        EXPECT_NEAR(seen_through({{layer(0, -1.5), glass(1.6, 0.5)}, {layer(-1, -2.5), glass(1.6, 0.5)}}, in_tree),
+                    one.through, 0.006);
     }
 }
 
-/// A lamp, a mirror and a dark wall inside coloured glass are seen through it.
+/// A light, a mirror and a dark wall inside colored glass, seen through its surface.
 TEST(Media, ThingsInsideColouredGlass)
 {
     for (const bool mirrored : {false, true}) {
@@ -115,8 +113,8 @@ TEST(Media, ThingsInsideColouredGlass)
             b.scene.environment = sky;
         }
         b.camera({0, 0, 1}, {0, 0, 0}, 0.1);
-        // The lamp is black, and its radiance spreads where it leaves the denser medium; between mirror and boundary
-        // light goes to and fro.
+        // The light is black and its radiance is divided by eta^2 on leaving the denser medium; light bounces between
+        // mirror and boundary.
         const double r = 0.04, a = 0.5, there_and_back = 0.25;
         const double expected =
             mirrored ? r + (1 - r) * (1 - r) * there_and_back / (1 - r * there_and_back) : (1 - r) * a / (1.5 * 1.5);
@@ -124,12 +122,12 @@ TEST(Media, ThingsInsideColouredGlass)
     }
 }
 
-/// A layer that scatters all evenly and takes nothing, with next to no boundary, in white light from everywhere, where
-/// paths have a longest depth: in and out again, and each scattering counts, or (as long as it isn't to) none does.
+/// A slab with isotropic scattering, no absorption and almost no boundary in a white environment, with limited depth:
+/// entering and leaving are two bounces; each scattering event counts as one if the material says so, otherwise none.
 TEST(Media, ScatteringCountsAsBounces)
 {
     constexpr double thickness = 1.5;
-    // What goes on evenly from a plane passes what is ahead: the exponential integral of the second order.
+    // Transmittance of isotropic light from a plane: the exponential integral E2.
     const auto passes = [](double depth) {
         double sum = 0;
         constexpr int n = 400;
@@ -166,7 +164,7 @@ TEST(Media, ScatteringCountsAsBounces)
     }
 }
 
-/// Light of lamps is absorbed on its way through the medium, and so is what the camera sees from inside it.
+/// Light of lamps is absorbed along its path through the medium, and so is the view of a camera inside it.
 TEST(Media, ShadowRaysAndCamerasInsideColouredGlass)
 {
     for (const bool in_tree : {false, true}) {
@@ -185,7 +183,7 @@ TEST(Media, ShadowRaysAndCamerasInsideColouredGlass)
     }
 }
 
-/// In a hollow ball of glass and in one of water within glass nothing is lost.
+/// Hollow glass spheres, and water spheres inside glass, lose no energy.
 TEST(Media, NestedBallsLoseNothing)
 {
     for (const int priority : {-1, 0, 1}) {

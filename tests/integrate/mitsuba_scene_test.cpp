@@ -1,4 +1,4 @@
-// Scenes by others beside the pictures that Mitsuba 3 made of them.
+// Third-party scenes compared with images rendered by Mitsuba 3.
 #include <filesystem>
 
 #include "fathom/image.h"
@@ -8,7 +8,7 @@
 namespace fathom::test {
 namespace {
 
-/// The means of scenes of which nothing is approximated but facets and plastic, to 2 % beyond what noise there is.
+/// Mean radiance of scenes whose only approximations are facets and plastic: within 2 % beyond the noise.
 TEST(MitsubaScenes, MeansAsMitsubaHasThem)
 {
     const std::filesystem::path folder = std::filesystem::path(FATHOM_SHARED_SCENES) / "mitsuba";

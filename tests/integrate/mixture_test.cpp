@@ -1,7 +1,7 @@
 #include "fathom/error.h"
 #include "picture_helpers.h"
 
-// Materials that are one of two others.
+// Materials that choose between two others at random.
 namespace fathom {
 namespace {
 
@@ -22,8 +22,8 @@ Material mirror(Color color)
     return m;
 }
 
-/// A square that fills the picture, in a white surrounding: what is seen is its albedo. Seen from behind on request; of
-/// so many triangles that the tree is asked, or of two.
+/// A square that fills the image in a white environment shows its albedo. Optionally seen from behind, with two
+/// triangles or enough for the BVH.
 struct Square : SceneBuilder {
     explicit Square(bool from_behind = false, std::uint32_t n = 1)
     {
@@ -88,7 +88,7 @@ TEST(Mixture, OfMixturesHasTheProduct)
     Square square;
     const int a = square.material(diffuse({1, 0, 0})), b = square.material(mirror({0, 1, 0})),
               c = square.material(diffuse({0, 0, 1}));
-    // The inner one stands behind the outer one in the list.
+    // The inner mixture follows the outer one in the list.
     const int outer = square.mix(c, int(square.scene.materials.size()) + 1, {0.6f, -1, 0});
     square.mix(a, b, {0.25f, -1, 0});
     square.expect(outer, {0.6f * 0.75f, 0.6f * 0.25f, 0.4f});
@@ -104,7 +104,7 @@ TEST(Mixture, GoesByATexture)
     halves.color_a.value = {1, 0.2f, 0}, halves.color_b.value = {1, 0.6f, 0};
     square.scene.textures.push_back(halves);
     const int a = square.material(diffuse({1, 0, 0.5f})), b = square.material(diffuse({0, 1, 0.5f}));
-    // By green: 0.2 and 0.6 of it, in a half each.
+    // The green channel has two values, so each half has weights 0.2 and 0.6.
     square.expect(square.mix(a, b, {1, 0, 1}), {0.6f, 0.4f, 0.5f});
 }
 
@@ -124,11 +124,11 @@ TEST(Mixture, OfGlassLetsItsShareThrough)
     sheet.kind = MaterialKind::glass;
     sheet.thin = true;
     const int glass = square.material(sheet), black = square.material(diffuse({0, 0, 0}));
-    // A thin sheet in a white surrounding is white.
+    // A thin glass sheet in a white environment is white.
     square.expect(square.mix(glass, black, {0.7f, -1, 0}), {0.3f, 0.3f, 0.3f});
 }
 
-/// In a white surrounding all surfaces of a colour look alike; before one lamp behind the camera they don't.
+/// In a white environment equal albedos look alike; in front of one light behind the camera they don't.
 TEST(Mixture, ScattersAsEachOfThem)
 {
     for (const std::uint32_t n : {1u, 20u}) {
@@ -143,7 +143,7 @@ TEST(Mixture, ScattersAsEachOfThem)
     }
 }
 
-/// The layer of colours has the mixture's, of what every sample met.
+/// The albedo layer of a mixture averages the albedos of the sampled parts.
 TEST(Mixture, HasAnAlbedo)
 {
     Square square;
@@ -157,7 +157,7 @@ TEST(Mixture, HasAnAlbedo)
     for (int c = 0; c < 3; ++c) EXPECT_NEAR(mean[c], expected[c], 0.01) << c;
 }
 
-/// What it emits, and its alpha, are the mixture's own; those of its parts don't count.
+/// Emission and alpha are the mixture's own; those of its parts are ignored.
 TEST(Mixture, EmitsByItself)
 {
     Square square;

@@ -9,8 +9,8 @@ using namespace test;
 
 constexpr int width = 32, height = 24;
 
-/// What an orthographic camera at z = 10 sees of black things before a white sky, the shutter open from 0 to 1 s: 8 m
-/// from left to right, 6 from bottom to top.
+/// An orthographic camera at z = 10 with a shutter from 0 to 1 s sees black objects on a white background: 8 m from
+/// left to right, 6 m from bottom to top.
 struct Shadows : SceneBuilder {
     Shadows(double open = 0, double close = 1)
     {
@@ -35,7 +35,7 @@ struct Shadows : SceneBuilder {
         return scene.nodes.back();
     }
 
-    /// The expected mean of a pixel is the share of (x, y, time) in it that nothing covers.
+    /// A pixel's expected value is the fraction of (x, y, time) that is uncovered.
     template <class Covered>
     void expect_shadow(const Covered& covered, std::uint64_t samples = 256)
     {
@@ -53,7 +53,7 @@ struct Shadows : SceneBuilder {
                 }
                 const double expected = 1 - double(hits) / (cells * cells * times);
                 const double got = image.layers[0].pixels[std::size_t(3 * (py * width + px))];
-                // Stratified in the plane and in time: five times their error.
+                // Samples are stratified in space and time: the tolerance is five times their error.
                 const double tolerance = 0.02 + 5 * std::sqrt(expected * (1 - expected) / double(samples));
                 worst = std::max(worst, std::abs(got - expected) / tolerance);
             }
@@ -85,7 +85,7 @@ TEST(MotionPicture, a_node_turns_steadily)
     });
 }
 
-/// A child that is not at its parent's origin goes round it on an arc, and turns on its own besides.
+/// A child offset from its parent's origin moves on an arc while it also rotates itself.
 TEST(MotionPicture, moving_nodes_within_moving_nodes)
 {
     Shadows s;
@@ -169,7 +169,7 @@ TEST(MotionPicture, vertices_within_a_moving_node)
         [](double x, double y, double t) { return std::abs(x + 2 - 4 * t) < 0.5 && y > -2 && y < 2 - 2 * t; });
 }
 
-/// A rod from (x, -2) to (x, top), of a radius that changes, too; as lines, and as a cubic that runs along them.
+/// A rod from (x, -2) to (x, top) with a changing radius, as lines and as a cubic curve along them.
 Curves rod(CurveBasis basis, bool ribbons)
 {
     Curves curves;
@@ -181,7 +181,7 @@ Curves rod(CurveBasis basis, bool ribbons)
         for (int i = 0; i < n; ++i) k.points.push_back({x, -2 + (top + 2) * float(i) / float(n - 1), 0});
         return k;
     };
-    // At rest it would be seen elsewhere.
+    // The rest position is elsewhere.
     curves.points = key(0, 3, 3, 1).points, curves.radii = key(0, 3, 3, 1).radii;
     curves.counts = {std::uint32_t(n)};
     curves.motion = {key(0, -2, 2, 0.2f), key(0.5, -1, 0, 0.6f), key(2, 2, 0, 0.6f)};
@@ -211,8 +211,7 @@ TEST(MotionPicture, points_of_curves)
             }
 }
 
-/// What a sphere covers that a node moves: one that goes straight stays a sphere of the world, one that is stretched
-/// meanwhile becomes an ellipsoid.
+/// Coverage of a moving sphere: pure translation keeps a sphere in world space, a changing scale gives an ellipsoid.
 TEST(MotionPicture, spheres_disks_and_boxes)
 {
     for (int kind = 0; kind < 4; ++kind) {
@@ -231,8 +230,7 @@ TEST(MotionPicture, spheres_disks_and_boxes)
     }
 }
 
-/// A closed room of grey walls, all of it turning and growing: what it sees of itself is a geometric series at any
-/// time.
+/// A closed gray room that rotates and grows: its radiance is a geometric series at any time.
 TEST(MotionPicture, furnace)
 {
     for (bool vertices : {false, true}) {
@@ -259,7 +257,7 @@ TEST(MotionPicture, furnace)
     }
 }
 
-/// Normals of what moves: light from one side, at each time the cosine of what has turned by then.
+/// Normals of moving shapes: directional illumination has the cosine of the orientation at each time.
 TEST(MotionPicture, normals_turn)
 {
     for (int kind = 0; kind < 3; ++kind) {
@@ -278,7 +276,7 @@ TEST(MotionPicture, normals_turn)
         if (kind == 0) node.motion = {{0, {}}, {1, Transform::rotate({0, 1, 0}, 1)}};
         if (kind > 0) {
             mesh.motion = {{0, mesh.positions, {}}, {1, mesh.positions, {}}};
-            // kind 1: from z = 0 to z = x, the tangent grows linearly. kind 2: only the normals change.
+            // kind 1: the slope grows linearly from z = 0 to z = x; kind 2: only the normals change.
             if (kind == 1)
                 for (Vec3f& p : mesh.motion[1].positions) p.z = p.x;
             if (kind == 2) {
@@ -291,8 +289,7 @@ TEST(MotionPicture, normals_turn)
         node.shapes.push_back({MeshInstance{0}, gray, ""});
         s.scene.roots.push_back(int(s.scene.nodes.size()));
         s.scene.nodes.push_back(node);
-        // The mean of the cosine over pi. Normals are unit at the keys, and on the straight line between them in
-        // between.
+        // Mean of the cosine over pi. Normals are unit at the keys and linearly interpolated between them.
         double expected = 0;
         constexpr int times = 1000;
         for (int i = 0; i < times; ++i) {
@@ -303,7 +300,7 @@ TEST(MotionPicture, normals_turn)
     }
 }
 
-/// A lamp that moves gives as much light as the mean of lamps that stand where it passes.
+/// A moving light gives the mean illumination of static lights along its path.
 TEST(MotionPicture, lamps)
 {
     const auto build = [](std::vector<NodeKey> keys, const Transform& place) {
@@ -331,7 +328,7 @@ TEST(MotionPicture, lamps)
     EXPECT_NEAR(m.value[0], expected, 4 * (m.error[0] + error) + 0.002 * expected);
 }
 
-/// A lamp whose bottom alone is bright: sampled or met by chance, it shows the floor its bottom wherever it is by then.
+/// A light with a bright bottom face illuminates the floor with that face at every time, by NEE and by BSDF samples.
 TEST(MotionPicture, textured_lamps)
 {
     Mean mean[2];

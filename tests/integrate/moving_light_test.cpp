@@ -1,13 +1,13 @@
 #include "floor.h"
 
-// Lamps that move while the shutter is open: what they send to a point of a floor is the mean over the times of what
-// they send from where they then are, found here by adding up their surfaces in small cells.
+// Lights that move during the shutter interval: irradiance of a floor point is the mean over time of static lights,
+// integrated numerically over small cells of their surfaces.
 namespace fathom {
 namespace {
 
 using namespace test;
 
-/// Edges of a small part of a surface; its front is on the side of their cross product.
+/// A small surface element given by two edges; its front is the side of their cross product.
 struct Cell {
     Vec3d p, du, dv;
 };
@@ -36,7 +36,7 @@ Cells rectangle_cells(const Rectangle& r)
     return cells;
 }
 
-/// Facing down.
+/// The disk faces down.
 Cells disk_cells(Vec3d center, double radius)
 {
     constexpr int n = 24;
@@ -65,7 +65,7 @@ Cells ball_cells(Vec3d center, double radius)
     return cells;
 }
 
-/// A motion of a node, by formulas of its own.
+/// A node's motion by closed formulas.
 struct Way {
     const char* name;
     Vec3d shift;  ///< from (0, 0, 0)
@@ -89,7 +89,7 @@ const Way ways[] = {
 };
 const Way rests{"rests", {0, 0, 0}};
 
-/// Irradiance of the floor at p by cells that have radiance 1.
+/// Irradiance of the floor at p from cells of radiance 1.
 double irradiance(const Cells& cells, const Transform& place, bool two_sided, Vec3d p)
 {
     double sum = 0;
@@ -136,7 +136,7 @@ const Vec3d floor_point{0.2, 0, 0.1};
 const Rectangle panel{{-0.4, 0.9, -0.3}, {0.8, 0.1, 0}, {0, 0.2, 0.7}};
 const std::vector<Vec3d> sail{{-0.4, 0.8, -0.3}, {0.5, 0.9, -0.2}, {0.1, 1.1, 0.5}};
 
-/// Kinds of shapes, as a node's, and as cells.
+/// A kind of shape, as a node's geometry and as cells.
 struct Form {
     const char* name;
     Shape shape;
@@ -173,14 +173,14 @@ TEST(MovingLights, SendWhatTheyDoFromWhereTheyAre)
                     shape.material = b.diffuse(0, {3, 3, 3}, two_sided);
                     add_node(b, way.keys(), shape);
                 };
-                // The inside of a ball is not seen.
+                // The inside of a sphere is not visible.
                 const double expected =
                     mean_irradiance([&](double) { return form.cells; }, way, two_sided && !form.is_ball, floor_point);
                 floor.expect(floor_point.x, floor_point.z, 3 * expected, 4e-3);
             }
 }
 
-/// Corners that go their own ways from key to key, in the world, and in nodes that move too.
+/// Vertices that move independently between keys, in world space and in moving nodes.
 TEST(MovingLights, VerticesThatMove)
 {
     const std::vector<Vec3d> keys[] = {sail,
@@ -205,7 +205,7 @@ TEST(MovingLights, VerticesThatMove)
                     Mesh mesh = triangle_mesh(sail);
                     for (int k = 0; k < 3; ++k) mesh.motion.push_back({times[k], triangle_mesh(keys[k]).positions, {}});
                     if (flipped) {
-                        // A mesh mirrored in x, in a node that mirrors it back: what faces down still does.
+                        // A mesh mirrored in x inside a node that mirrors it back: faces that point down still do.
                         for (MeshKey& key : mesh.motion)
                             for (Vec3f& p : key.positions) p.x = -p.x;
                         mesh.indices = {0, 2, 1};
@@ -222,7 +222,7 @@ TEST(MovingLights, VerticesThatMove)
             }
 }
 
-/// A lamp too small to be found by chance; without light sampling its noise is many times that.
+/// A light too small for BSDF samples to hit often; without NEE the noise is many times higher.
 TEST(MovingLights, HaveLessNoiseThanWhatIsFoundByChance)
 {
     const std::size_t count = forms(nullptr).size();
@@ -254,13 +254,13 @@ TEST(MovingLights, HaveLessNoiseThanWhatIsFoundByChance)
                 error[light_sampling] = m.error[0], value[light_sampling] = m.value[0];
             }
             EXPECT_NEAR(value[0], value[1], 4.5 * std::hypot(error[0], error[1]));
-            // Variance; 16,384 samples, of which some hundreds find the lamp by chance.
+            // Variances; of 16,384 samples without NEE a few hundred hit the light.
             EXPECT_LT(std::pow(error[1], 2), std::pow(error[0], 2) / 10) << kind << " " << Floor::ways[way];
         }
 }
 
-/// A panel that faces up at first, and down in the end, beside a lamp that is always seen: the choice between both
-/// knows that each may shine.
+/// A panel that faces up at first and down at the end, beside a static light: selection probabilities account for the
+/// whole shutter interval.
 TEST(MovingLights, TurnTowardsTheFloor)
 {
     const Way way{"turns over", {0, 2, 0}, 2.8, {1, 0, 0}};
@@ -277,12 +277,12 @@ TEST(MovingLights, TurnTowardsTheFloor)
     for (int i = 0; i < times; ++i)
         expected += 3 * irradiance(rectangle_cells(up), way.at((i + 0.5) / times), false, floor_point) / times;
     floor.expect(floor_point.x, floor_point.z, expected, 4e-3);
-    // Chance alone finds the panel too, with 16 times the variance.
+    // BSDF samples also hit the panel, with 16 times the variance.
     const Mean m = floor.irradiance(floor_point.x, floor_point.z, 2);
     EXPECT_LT(m.error[0], 0.012 * m.value[0]);
 }
 
-/// From dark at the left and the bottom to bright at the right and the top.
+/// An image from dark at the bottom left to bright at the top right.
 ImageFile rising_picture()
 {
     ImageFile file{"rising.ppm", {}, {}};
@@ -291,7 +291,7 @@ ImageFile rising_picture()
         for (int c = 0; c < 3; ++c) file.bytes.push_back(std::byte(gray));
     return file;
 }
-/// Its value, from -1 to 1 to the right and up.
+/// Value of the image at coordinates from -1 to 1, right and up.
 double rising(double right, double up, double along)
 {
     if (!(along > 0) || std::abs(right) > 1 || std::abs(up) > 1) return 0;
@@ -299,7 +299,7 @@ double rising(double right, double up, double along)
     return (150 * x + 100 * y) / 255;
 }
 
-/// Those of a node, which are where it is.
+/// Lights attached to a moving node.
 TEST(MovingLights, PointsSpotsProjectorsAndBeams)
 {
     for (const Way& way : ways)
@@ -320,7 +320,7 @@ TEST(MovingLights, PointsSpotsProjectorsAndBeams)
                 light.width = 0.9, light.height = 0.6;
                 if (projector) b.scene.images.push_back(rising_picture());
                 b.light(light, rest);
-                // Within a node that moves, whose origin is not theirs.
+                // A moving parent whose origin differs from the light's.
                 Node arm;
                 arm.motion = way.keys();
                 arm.children = {b.scene.roots.back()};
@@ -336,7 +336,7 @@ TEST(MovingLights, PointsSpotsProjectorsAndBeams)
                 const double x = std::clamp((c - std::cos(0.7)) / (std::cos(0.2) - std::cos(0.7)), 0.0, 1.0);
                 double share = spot ? x * x : 1;
                 if (projector) {
-                    // The axes as the node has them, at right angles to each other.
+                    // Orthogonal axes of the light from the node's transform.
                     const Vec3d along = normalize(now.vector({0, 0, -1})), side = now.vector({1, 0, 0});
                     const Vec3d right = normalize(side - along * dot(side, along)), top = cross(right, along);
                     const Vec3d d = to * -1.0;
@@ -345,7 +345,7 @@ TEST(MovingLights, PointsSpotsProjectorsAndBeams)
                                    turned * dot(d, top) / dot(d, along) / std::tan(0.8), dot(d, along));
                 }
                 if (beam) {
-                    // Along the normal of its area, wherever in it a perpendicular comes to.
+                    // The beam runs along the normal of its area, from the foot of the perpendicular.
                     const Vec3d u = now.vector({0.45, 0, 0}), v = now.vector({0, 0.3, 0});
                     Vec3d n = normalize(cross(u, v));
                     if (dot(n, now.vector({0, 0, -1})) < 0) n = -n;
@@ -362,8 +362,8 @@ TEST(MovingLights, PointsSpotsProjectorsAndBeams)
         }
 }
 
-/// A spot that shines up at first, and onto the floor in the end, beside a lamp that is always seen: the choice between
-/// both knows that each may shine.
+/// A spot that points up at first and to the floor at the end, beside a static light: selection probabilities account
+/// for the whole shutter interval.
 TEST(MovingLights, SpotsTurnTowardsTheFloor)
 {
     const Way way{"turns over", {0, 2, 0}, 2.8, {1, 0, 0}};

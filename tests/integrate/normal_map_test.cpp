@@ -5,7 +5,7 @@ namespace {
 
 using namespace test;
 
-/// Red and green of the map, as slopes along the tangent and the bitangent.
+/// Red and green of the map, as slopes along tangent and bitangent.
 constexpr double red = 0.4, green = 0.3;
 
 int normal_map(SceneBuilder& b)
@@ -44,7 +44,7 @@ struct Sheet {
     bool mirrored_u, mirrored_v, tangents, normals, turned_normals;
 };
 
-/// The square [-1, 1]^2, front towards +z, in 2 n^2 triangles.
+/// The square [-1, 1]^2 with its front towards +z, in 2 n^2 triangles.
 Mesh sheet_mesh(const Sheet& sheet, std::uint32_t n)
 {
     Mesh mesh;
@@ -56,7 +56,7 @@ Mesh sheet_mesh(const Sheet& sheet, std::uint32_t n)
             mesh.positions.push_back({float(x), float(y), 0});
             mesh.uvs[0].push_back({float(0.5 + su * x / 2), float(0.5 - sv * y / 2)});
             if (sheet.normals) mesh.normals.push_back({0, 0, nz});
-            // glTF: the bitangent, cross(normal, tangent) * w, is up in the image: towards growing sv * y.
+            // glTF: the bitangent, cross(normal, tangent) * w, points up in the image, towards increasing sv * y.
             if (sheet.tangents) mesh.tangents.push_back({float(su), 0, 0, float(sv * su * nz)});
         }
     for (std::uint32_t i = 0; i < n; ++i)
@@ -67,7 +67,8 @@ Mesh sheet_mesh(const Sheet& sheet, std::uint32_t n)
     return mesh;
 }
 
-/// Red bends the normal along growing u, green up in the image, whatever mirrors the mesh or its uv.
+/// Red bends the normal towards increasing u, green up in the image, even if the mesh or its texture coordinates are
+/// mirrored.
 TEST(NormalMap, BendsAlongTheAxesOfTheImage)
 {
     for (const bool copies : {false, true})
@@ -79,7 +80,7 @@ TEST(NormalMap, BendsAlongTheAxesOfTheImage)
                 const int material = normal_map(b);
                 b.scene.meshes.push_back(sheet_mesh(sheet, copies ? 48 : 1));
                 const Transform transform = turn * mirror;
-                for (int i = 0; i <= int(copies); ++i) {  // enough triangles, twice: instances
+                for (int i = 0; i <= int(copies); ++i) {  // two copies with enough triangles become instances
                     Node node;
                     node.parent_from_node = Transform::translate({0, 0, -100.0 * i}) * transform;
                     node.shapes.push_back({MeshInstance{0}, material, ""});
@@ -97,8 +98,8 @@ TEST(NormalMap, BendsAlongTheAxesOfTheImage)
             }
 }
 
-/// The same on shapes that are no meshes: where the camera looks, u grows along the first vector and the image's top
-/// lies along the second.
+/// Normal maps on shapes other than meshes: at the visible point, u increases along the first vector and the image's
+/// top is along the second.
 TEST(NormalMap, BendsAlongTheAxesOfShapes)
 {
     const Rectangle rectangle{{-1, -1, 0}, {2, 0, 0}, {0, 2, 0}};

@@ -1,4 +1,4 @@
-// Scenes by others beside the pictures that pbrt-v4 made of them.
+// Third-party scenes compared with images rendered by pbrt-v4.
 #include <filesystem>
 
 #include "fathom/image.h"
@@ -8,7 +8,7 @@
 namespace fathom::test {
 namespace {
 
-/// The means to 2 % beyond what noise there is, where nothing is approximated: diffuse surfaces, metal and glass.
+/// Mean radiance within 2 % beyond the noise for scenes without approximations: diffuse surfaces, metal and glass.
 TEST(PbrtScenes, MeansAsPbrtHasThem)
 {
     const std::filesystem::path folder = std::filesystem::path(FATHOM_SHARED_SCENES) / "pbrt-v4";

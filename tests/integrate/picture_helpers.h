@@ -56,7 +56,7 @@ struct SceneBuilder {
     void light(const Light& l, const Transform& place) { add_light(scene, l, place); }
 };
 
-/// Turns -z, along which lights shine, into a direction.
+/// Rotates -z, along which lights emit, to a direction.
 inline Transform shining(Vec3d along)
 {
     const Vec3d d = normalize(along), axis = cross({0, 0, -1}, d);
@@ -84,7 +84,7 @@ inline Film render_film(const SceneDescription& description, const RenderSetting
 }
 
 struct Mean {
-    double value[3] = {}, error[3] = {};  ///< over the picture, and its standard error
+    double value[3] = {}, error[3] = {};  ///< image mean and its standard error
 };
 
 inline Mean mean_of(const Film& film)
@@ -102,7 +102,7 @@ inline Mean mean_of(const Film& film)
     return m;
 }
 
-/// The mean of the picture is `expected` within four standard errors and the tolerance.
+/// The image's mean is `expected` within four standard errors plus the relative tolerance.
 inline void expect_mean(const Film& film, double expected, double relative = 0.002)
 {
     const Mean m = mean_of(film);

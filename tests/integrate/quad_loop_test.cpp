@@ -1,4 +1,4 @@
-/// The loop for rooms of quads against the loop for all scenes: the same estimator.
+/// The quad loop is an optimization: it has the same estimator as the general loop.
 #include <random>
 
 #include "picture_helpers.h"
@@ -8,7 +8,7 @@ namespace {
 
 using namespace test;
 
-/// A material of little code that is not plain.
+/// A cheap closure that is not plain diffuse.
 Material other_material(SceneDescription& scene, std::mt19937& engine)
 {
     Material m;
@@ -32,7 +32,7 @@ Material other_material(SceneDescription& scene, std::mt19937& engine)
             m.kind = MaterialKind::unlit;
             break;
         default: {
-            // What is plain but for its bumps, or its colours.
+            // Diffuse except for a bump map or a color texture.
             Texture texture;
             const bool is_bumped = m.roughness.value == 0;
             texture.kind = is_bumped ? TextureKind::fbm : TextureKind::checker_space;
@@ -48,8 +48,8 @@ Material other_material(SceneDescription& scene, std::mt19937& engine)
     return m;
 }
 
-/// A room with its front open, some boxes and loose quads in it, one to three lamps, and sometimes a sky. others:
-/// whether half of the quads are not plain.
+/// A room with an open front, boxes and loose quads, one to three lights, and sometimes a sky. others: half of the
+/// quads have other materials.
 SceneDescription random_room(unsigned seed, bool others)
 {
     std::mt19937 engine(seed);
@@ -87,7 +87,7 @@ SceneDescription random_room(unsigned seed, bool others)
               int(b.scene.materials.size()) - 1);
     }
     if (others) {
-        // A pane, through which lamps and sky are seen.
+        // A thin glass pane, through which lights and the sky are visible.
         Material pane;
         pane.kind = MaterialKind::glass, pane.thin = true;
         b.scene.materials.push_back(pane);
@@ -113,7 +113,7 @@ void compare_loops(bool others)
         for (int i = 0; i < 2; ++i) render(jobs[i], {0, 256}, films[i]);
         const Image a = films[0].image(false, true), b = films[1].image(false, true);
         const auto &va = a.find("variance")->pixels, &vb = b.find("variance")->pixels;
-        // Of all channels of a pixel together: they go by the same ways.
+        // All channels of a pixel share their paths, so they are tested together.
         double z2 = 0, difference = 0, error2 = 0, more_variance = 0, variance_error2 = 0;
         int n = 0;
         for (std::size_t pixel = 0; pixel < va.size(); pixel += 3) {
@@ -126,7 +126,7 @@ void compare_loops(bool others)
             }
             more_variance += variances, variance_error2 += variances * variances;
         }
-        // Stratified samples are better than their variance says, never worse: the mean of z^2 is at most 1.
+        // Stratified samples are at least as good as their variance estimate: the mean of z^2 is at most 1.
         EXPECT_LT(z2 / n, 1.1);
         EXPECT_LT(std::abs(difference), 4 * std::sqrt(error2));
         EXPECT_LT(std::abs(more_variance), 4 * std::sqrt(variance_error2));
@@ -142,7 +142,8 @@ TEST(QuadLoop, SoWithOtherQuads)
     compare_loops(true);
 }
 
-/// Which paths wait for a full gang depends on how many there are.
+/// Paths are deferred until they fill a group of lanes: the result doesn't depend on how many samples are rendered at
+/// once.
 TEST(QuadLoop, PathsThatWaitStayTheSame)
 {
     for (unsigned seed = 1; seed <= 10; ++seed) {

@@ -1,4 +1,4 @@
-/// Rays that leave a surface begin off it: far enough never to meet it again, and no farther than rounding asks for.
+/// Ray origins are offset from surfaces: far enough to avoid self-intersection, but no farther than rounding requires.
 #include "picture_helpers.h"
 
 namespace fathom {
@@ -15,15 +15,15 @@ Environment white()
     return e;
 }
 
-/// More primitives than a flat scene has, where nobody sees them: what is seen is met in the tree.
+/// More primitives than a flat scene allows, out of view, so that visible shapes are intersected through the BVH.
 void add_crowd(SceneBuilder& b, Vec3d at, double size)
 {
     const int black = b.diffuse(0);
     for (int i = 0; i < 100; ++i) b.add(Sphere{at + Vec3d{3 * size * i, 0, 0}, size, {}}, black);
 }
 
-/// The share of a square of side 6 about (1, 0) that a disk of radius 1 or the shadow of a ball above it covers, light
-/// coming at 45 degrees: an ellipse.
+/// Fraction of a square of side 6 around (1, 0) covered by a disk of radius 1 or a sphere's shadow under light at 45
+/// degrees: an ellipse.
 double covered_share()
 {
     constexpr int n = 2000;
@@ -36,14 +36,14 @@ double covered_share()
     return double(covered) / (n * n);
 }
 
-/// A black ball lies on a ground of 10 km, and its shadow beside it.
+/// A black sphere on a 10 km ground, and its shadow next to it.
 TEST(RayOffset, ShadowsOfSmallThingsOnAHugeGround)
 {
     const double share = covered_share();
     for (const bool in_tree : {false, true})
         for (const bool mesh : {false, true})
             for (const double radius : {1e-3, 1e-2, 1.0}) {
-                // Where triangles are tested the 10 km are added up with the millimetre.
+                // Triangle intersection adds 10 km to a millimeter, which floats can't resolve.
                 if ((in_tree || mesh) && radius < 1e-2) continue;
                 SceneBuilder b;
                 const int gray = b.diffuse(0.5f);
@@ -75,7 +75,7 @@ TEST(RayOffset, ShadowsOfSmallThingsOnAHugeGround)
             }
 }
 
-/// A ball of flat triangles.
+/// A sphere of flat-shaded triangles.
 Mesh ball_mesh(std::uint32_t n)
 {
     Mesh mesh;
@@ -96,7 +96,7 @@ Mesh ball_mesh(std::uint32_t n)
     return mesh;
 }
 
-/// Nothing that is convex shadows itself: under a white sky it shows half of it where it reflects half, in each sample.
+/// Convex objects never shadow themselves: with albedo 1/2 under a white sky every sample is exactly half of it.
 TEST(RayOffset, NothingConvexShadowsItself)
 {
     Mesh sheet;
@@ -136,7 +136,7 @@ TEST(RayOffset, NothingConvexShadowsItself)
                             b.scene.nodes.push_back(node);
                             b.scene.roots.push_back(1);
                             if (shape.index() == 0 && std::get<MeshInstance>(shape).mesh == 1) {
-                                // Twice and more than 4096 triangles: instances.
+                                // Two copies with more than 4096 triangles become instances.
                                 b.scene.nodes.push_back({});
                                 b.scene.nodes[2].children = {1};
                                 b.scene.nodes[2].parent_from_node = Transform::translate({0, 0, -100 * size});
@@ -144,7 +144,7 @@ TEST(RayOffset, NothingConvexShadowsItself)
                             }
                             if (in_tree) add_crowd(b, Vec3d{0, 0, -200} * size, 0.01 * size);
                             b.scene.environment = white();
-                            // The middle of it, so that the sky is not seen.
+                            // The view is limited to the object's center, so that the sky is not visible.
                             const Vec3d front = normalize(node.parent_from_node.vector({0.3, 0.2, 1}));
                             b.camera(front * (distance * size), {0, 0, 0}, 0.5 / distance * 60);
                             b.scene.cameras[0].shutter_close = moves ? 1 : 0;
@@ -155,7 +155,7 @@ TEST(RayOffset, NothingConvexShadowsItself)
                         }
 }
 
-/// No light comes through the walls of a closed box, however large or turned, not one path of millions.
+/// No light passes the walls of a closed box of any size or rotation, in millions of paths.
 TEST(RayOffset, ClosedBoxesAreDark)
 {
     for (const bool in_tree : {false, true})

@@ -1,13 +1,13 @@
 #include "picture_helpers.h"
 
-// What shadow rays pass: boundaries of index 1, behind which fog begins, and panes. By what is known in closed form,
-// and by paths that find lights by chance alone.
+// Shadow rays pass index-matched boundaries with fog behind them, and thin panes. Checked with closed forms and with
+// BSDF sampling alone.
 namespace fathom {
 namespace {
 
 using namespace test;
 
-/// Fills a material with what absorbs and scatters so much in a metre.
+/// Sets absorption and scattering coefficients per meter.
 void fill(Material& m, double absorption, double scattering, double mean_cosine)
 {
     const auto same = [](double v) { return Color{float(v), float(v), float(v)}; };
@@ -41,7 +41,7 @@ double phase(double g, double cosine)
     return (1 - g * g) / (4 * std::numbers::pi * std::pow(1 + g * g - 2 * g * cosine, 1.5));
 }
 
-/// A sheet of two boundaries: 2 r / (1 + r) is reflected, r by Fresnel's law.
+/// A sheet with two boundaries reflects 2 r / (1 + r), with r by Fresnel's equations.
 double passed_by_sheet(double ior, double cosine)
 {
     const double t = std::sqrt(1 - (1 - cosine * cosine) / (ior * ior));
@@ -50,8 +50,8 @@ double passed_by_sheet(double ior, double cosine)
     return 1 - 2 * r / (1 + r);
 }
 
-/// Of a slab of fog, seen along its normal and lit along a direction, what is scattered once has a closed form. Nothing
-/// but that scattering is a bounce.
+/// Single scattering in a slab of fog, seen along its normal and lit from a direction, has a closed form. Only that
+/// scattering event is a bounce.
 TEST(SeeThrough, FogScattersOnce)
 {
     for (const double g : {0.0, 0.6, -0.4})
@@ -67,7 +67,7 @@ TEST(SeeThrough, FogScattersOnce)
             b.camera({0, 0, 4}, {0, 0, 0}, 0.01);
             RenderSettings settings = small_picture(4, 4);
             settings.max_depth = 1;
-            // Light comes in by z / cosine, and goes back by z. Towards the eye it turns by the angle to +z.
+            // Light travels z / cosine inwards and z back; the scattering angle towards the camera is the angle to +z.
             const double rate = extinction * (1 + 1 / cosine);
             const double expected = 3 * scattered * phase(g, -cosine) * (1 - std::exp(-rate * depth)) / rate;
             expect_mean(render_film(b.scene, settings, 4096), expected, 0.004);
@@ -85,7 +85,7 @@ SceneBuilder lamp_in_fog(const Material& around)
     return b;
 }
 
-/// Lights inside and outside, surfaces outside: the picture without any light sampled has the same mean.
+/// Lights inside and outside of fog and panes, surfaces outside: with and without NEE the mean is equal.
 TEST(SeeThrough, AsByChanceAlone)
 {
     Material sheet = pane(1.4f, 0.8f), full = sheet;
@@ -105,7 +105,7 @@ TEST(SeeThrough, AsByChanceAlone)
         }
 }
 
-/// What loses nothing does not show in an even light, whatever encloses it.
+/// Lossless fog is invisible under uniform illumination, with any boundary.
 TEST(SeeThrough, WhiteFogIsNotSeen)
 {
     Material full = pane(1.5f);
@@ -120,7 +120,7 @@ TEST(SeeThrough, WhiteFogIsNotSeen)
     }
 }
 
-/// A point light shines through two panes, each of which is a bounce.
+/// A point light behind two panes, each of which is a bounce.
 TEST(SeeThrough, LampBehindPanes)
 {
     for (const int max_depth : {1, 2, 3}) {
@@ -133,7 +133,7 @@ TEST(SeeThrough, LampBehindPanes)
         Light lamp;
         lamp.intensity = {10, 10, 10};
         b.light(lamp, Transform::translate({3, 4, 0}));
-        // From below the panes.
+        // The camera is below the panes.
         b.camera({0, 0.9, 0.1}, {0, 0, 0}, 0.01);
         RenderSettings settings = small_picture(4, 4);
         settings.max_depth = max_depth;
@@ -147,8 +147,8 @@ TEST(SeeThrough, LampBehindPanes)
     }
 }
 
-/// A lamp shines on a floor within glass that absorbs, of index 1 but coloured, so that its boundary is one. A pane
-/// somewhere else changes nothing.
+/// A light shines on a floor inside absorbing glass of index 1, whose color makes it a real boundary. A pane elsewhere
+/// changes nothing.
 TEST(SeeThrough, LampWithinGlassBesideAPane)
 {
     for (const bool beside : {false, true}) {
@@ -168,13 +168,14 @@ TEST(SeeThrough, LampWithinGlassBesideAPane)
         b.camera({0, 2.5, 0}, {0, 0, 0}, 0.01);
         RenderSettings settings = small_picture(4, 4);
         settings.max_depth = 1;
-        // Both ways are absorbed: 2.5 to the lamp, at a cosine of 0.8, and 2.5 to the eye.
+        // Both segments are absorbed: 2.5 to the light, with a cosine of 0.8, and 2.5 to the camera.
         const double expected = 0.5 / std::numbers::pi * 10 * 0.8 / 6.25 * std::pow(0.5, 5);
         expect_mean(render_film(b.scene, settings, 64), expected);
     }
 }
 
-/// Nothing is met at the boundary of fog: the first hit is what stands behind. Where it scatters before, it covers.
+/// The boundary of fog is not a first hit: layers show the object behind it. Fog in front is opaque where a path
+/// scatters.
 TEST(SeeThrough, FirstHitsAreBehindFog)
 {
     for (const double dense : {0.0, 50.0}) {

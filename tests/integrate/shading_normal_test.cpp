@@ -1,4 +1,4 @@
-/// Shading normals that differ from the surface's: mirrors and glass keep their light all the same.
+/// Shading normals that differ from geometric normals: mirrors and glass still conserve energy.
 #include "picture_helpers.h"
 
 namespace fathom {
@@ -13,7 +13,7 @@ Environment white()
     return e;
 }
 
-/// A unit ball of about `count` triangles that is meant to be smooth.
+/// A unit sphere of about `count` triangles with smooth shading normals.
 Mesh smooth_ball(int count)
 {
     Mesh mesh;
@@ -49,7 +49,7 @@ Extremes extremes_of(const Film& film)
     return e;
 }
 
-/// Under a white sky what loses nothing is white, up to its rim.
+/// Lossless objects are white under a white sky, up to their silhouette.
 TEST(ShadingNormal, SmoothBallsOfFewTrianglesHaveNoBlackRim)
 {
     for (const MaterialKind kind : {MaterialKind::metal, MaterialKind::glass})
@@ -64,7 +64,7 @@ TEST(ShadingNormal, SmoothBallsOfFewTrianglesHaveNoBlackRim)
             b.camera({0.5, 1, 4}, {0, 0, 0}, 32);
             const Extremes e = extremes_of(render_film(b.scene, small_picture(64, 64), 64));
             SCOPED_TRACE(std::to_string(int(kind)) + " " + std::to_string(count));
-            // In glass a little light is mirrored for ever.
+            // In glass some light is totally reflected until the depth limit.
             const bool mirror = kind == MaterialKind::metal;
             EXPECT_GT(e.least, mirror ? 0.999 : count < 200 ? 0.2 : 0.7);
             EXPECT_LT(e.most, 1.1);
@@ -72,7 +72,7 @@ TEST(ShadingNormal, SmoothBallsOfFewTrianglesHaveNoBlackRim)
         }
 }
 
-/// A mirror, a rough metal and glass with waves so steep that normals turn by up to 60 degrees.
+/// A mirror, a rough metal and glass with steep waves that turn normals by up to 60 degrees.
 TEST(ShadingNormal, StrongNormalMapsLeaveNoHoles)
 {
     struct Case {
@@ -80,7 +80,7 @@ TEST(ShadingNormal, StrongNormalMapsLeaveNoHoles)
         float roughness;
         double least, mean;
     };
-    // What rough lobes send below the surface is lost.
+    // Samples of rough lobes below the geometric surface are lost.
     for (const Case& c : {Case{MaterialKind::metal, 0, 0.999, 1e-4}, Case{MaterialKind::metal, 0.4f, 0.4, 0.42},
                           Case{MaterialKind::principled, 0.3f, 0.4, 0.42},
                           Case{MaterialKind::fuzz_metal, 0, 0.999, 1e-4}, Case{MaterialKind::glass, 0, 0.9, 0.01}}) {
@@ -111,7 +111,7 @@ TEST(ShadingNormal, StrongNormalMapsLeaveNoHoles)
     }
 }
 
-/// Bent normals let no light through closed walls.
+/// Shading normals let no light through closed walls.
 TEST(ShadingNormal, ClosedRoomsAreDark)
 {
     for (const MaterialKind kind : {MaterialKind::metal, MaterialKind::principled}) {

@@ -1,6 +1,6 @@
 #include "picture_helpers.h"
 
-// Surfaces that cameras look through from behind, and no other light passes.
+// Single-sided surfaces: the camera sees through their backs, but they block all other light.
 namespace fathom {
 namespace {
 
@@ -15,8 +15,8 @@ Material unlit(Color color, bool single_sided)
     return m;
 }
 
-/// A square of 2 n^2 triangles in the plane z, its front towards +z or -z. One of some 50 is rendered as a list, more
-/// by the tree.
+/// A square of 2 n^2 triangles at height z, facing +z or -z. About 50 triangles are traced as a list, more with the
+/// BVH.
 Mesh square(double z, bool front_up, std::uint32_t n)
 {
     Mesh mesh;
@@ -80,7 +80,7 @@ TEST(SingleSided, ManyBacksInARow)
         for (int i = 0; i < 5; ++i) scene.add_square(1 - 0.1 * i, false, unlit(red, true));
         scene.add_square(0, true, unlit(blue, true));
         EXPECT_EQ(scene.color(), blue) << n;
-        // Nothing behind: the background.
+        // Nothing behind: the background is visible.
         Layers open(n);
         open.add_square(0, false, unlit(red, true));
         EXPECT_EQ(open.color(), (Color{0, 0, 0})) << n;
@@ -101,7 +101,7 @@ TEST(SingleSided, LayersAreThoseOfWhatIsSeen)
         EXPECT_NEAR(image.find("normal")->pixels[2], 1, 1e-5) << n;
     }
 }
-/// To light it is there, from either side.
+/// Light is blocked from both sides.
 TEST(SingleSided, LightDoesNotPass)
 {
     for (const std::uint32_t n : {1u, 20u})
@@ -119,7 +119,7 @@ TEST(SingleSided, LightDoesNotPass)
             EXPECT_LT(scene.color().g, 1e-6f) << n << front_up;
         }
 }
-/// A mirror shows the back: only the camera's own view is one of what is culled.
+/// Mirrors show back sides: culling applies to camera rays only.
 TEST(SingleSided, MirrorsShowBacks)
 {
     for (const std::uint32_t n : {1u, 20u}) {
@@ -128,7 +128,7 @@ TEST(SingleSided, MirrorsShowBacks)
         mirror.kind = MaterialKind::metal;
         mirror.base_color.value = {1, 1, 1};
         scene.add_square(0, true, mirror);
-        // Between camera and mirror, its front towards the camera's side being away from the mirror.
+        // Between camera and mirror; its front faces the camera, so the mirror sees its back.
         scene.scene.cameras[0].position = {0, 0, 0.5};
         scene.add_square(1, true, unlit(red, true));
         EXPECT_EQ(scene.color(), red) << n;

@@ -5,7 +5,7 @@ namespace {
 
 using namespace test;
 
-/// Coordinates of a plane that stands in the world, whatever moves the shape that shows them.
+/// Texture coordinates of a plane that is fixed in world space, for any transform of the shape.
 TEST(SpaceTextures, StandWhereTheirTransformSays)
 {
     const Transform world_from_texture =
@@ -34,7 +34,8 @@ TEST(SpaceTextures, StandWhereTheirTransformSays)
     }
 }
 
-/// By how much the geometric normal faces a direction of the world, of what is turned, mirrored or seen from behind.
+/// Cosine of the geometric normal with a world-space direction, for rotated and mirrored shapes and those seen from
+/// behind.
 TEST(SpaceTextures, FacingIsOfTheWorld)
 {
     const Vec3d direction = normalize(Vec3d{0.3, -0.7, 0.5});

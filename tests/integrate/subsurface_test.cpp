@@ -1,6 +1,6 @@
 #include "picture_helpers.h"
 
-// Solids that scatter light within: against Chandrasekhar's half-space, the law of Beer, and what loses nothing.
+// Solids with subsurface scattering: Chandrasekhar's half-space, the Beer-Lambert law, and energy conservation.
 namespace fathom {
 namespace {
 
@@ -13,7 +13,7 @@ Environment white_sky()
     return e;
 }
 
-/// All of its light goes into the solid: nothing is reflected by its boundary.
+/// All light enters the solid: its boundary reflects nothing.
 Material subsurface(Color color, double radius, float anisotropy = 0)
 {
     Material m;
@@ -26,7 +26,7 @@ Material subsurface(Color color, double radius, float anisotropy = 0)
     return m;
 }
 
-/// A medium with the refractive index of empty space, of extinction 1 per metre.
+/// An index-matched medium with an extinction of 1 per meter.
 Material cloud(Color albedo, float anisotropy = 0)
 {
     const float left = std::exp(-1.0f);
@@ -40,7 +40,8 @@ Material cloud(Color albedo, float anisotropy = 0)
     return m;
 }
 
-/// Chandrasekhar's H of isotropic scattering, by iterating 1 / H(mu) = sqrt(1 - a) + a / 2 int H(x) x / (mu + x) dx.
+/// Chandrasekhar's H function of isotropic scattering, by iterating 1 / H(mu) = sqrt(1 - a) + a / 2 int H(x) x / (mu +
+/// x) dx.
 class HFunction {
 public:
     explicit HFunction(double albedo) : albedo_(albedo), h_(steps, 1.0)
@@ -57,9 +58,9 @@ public:
         for (int i = 0; i < steps; ++i) integral += h_[std::size_t(i)] * middle(i) / (mu + middle(i)) / steps;
         return 1 / (std::sqrt(1 - albedo_) + albedo_ / 2 * integral);
     }
-    /// Share of light from the direction that a half-space gives back.
+    /// Fraction of light from one direction that a half-space reflects.
     double plane_albedo(double mu) const { return 1 - at(mu) * std::sqrt(1 - albedo_); }
-    /// The same of light from everywhere.
+    /// Fraction of light from all directions (uniform radiance) that a half-space reflects.
     double spherical_albedo() const
     {
         double sum = 0;
@@ -75,7 +76,7 @@ private:
     std::vector<double> h_;
 };
 
-/// Radiance under a white sky of the middle of a solid's face that is far from all of its other faces.
+/// Radiance under a white sky at the center of a solid's face that is far from all its other faces.
 Mean face_of(const Material& m, double degrees, std::uint64_t samples = 1024)
 {
     SceneBuilder b;
@@ -99,7 +100,7 @@ TEST(Subsurface, HalfSpaceHasChandrasekharsAlbedo)
     }
 }
 
-/// Under a Lambertian boundary the half-space shows its spherical albedo, which shall be the colour.
+/// With a Lambertian boundary, the spherical albedo of the half-space is the material's color.
 TEST(Subsurface, ColourIsWhatAHalfSpaceShows)
 {
     const double color[] = {0.15, 0.5, 0.85};
@@ -122,7 +123,7 @@ TEST(Subsurface, ColourIsWhatAHalfSpaceShows)
     }
 }
 
-/// What loses nothing is invisible under a white sky, whatever lies in it and whatever its boundary reflects.
+/// Lossless solids are invisible under a white sky, with any content and any boundary reflection.
 TEST(Subsurface, WhiteSolidsAreInvisible)
 {
     const auto expect_invisible = [](const Material& m, bool with_glass, double tolerance) {
@@ -148,15 +149,15 @@ TEST(Subsurface, WhiteSolidsAreInvisible)
         m.ior = 1.4f;
         expect_invisible(m, true, 1e-3);
     }
-    // Refracted into one medium, and by the subsurface into another.
+    // One part is refracted into one medium; subsurface scattering leads into another.
     Material both = subsurface({1, 1, 1}, 0.05);
     both.transmission.value = 0.5f;
     both.specular.value = 1;
     expect_invisible(both, false, 5e-3);
 }
 
-/// A lamp so small that next to nothing of what is scattered comes from it is seen by the law of Beer, channel by
-/// channel, however much they differ.
+/// A light so small that scattered light is negligible is attenuated by the Beer-Lambert law, per channel, however much
+/// the channels differ.
 TEST(Subsurface, UnscatteredLightFollowsTheLawOfBeer)
 {
     const double left[] = {0.9, 0.2, 0.003};
@@ -177,7 +178,7 @@ TEST(Subsurface, UnscatteredLightFollowsTheLawOfBeer)
     }
 }
 
-/// Lights that are sampled where light comes out bring as much as those that are found by chance.
+/// NEE where light leaves the solid and BSDF sampling give the same mean.
 TEST(Subsurface, LightSamplingFindsTheSame)
 {
     Mean mean[2];
@@ -194,7 +195,8 @@ TEST(Subsurface, LightSamplingFindsTheSame)
         EXPECT_NEAR(mean[1].value[c], mean[0].value[c], 4 * std::hypot(mean[0].error[c], mean[1].error[c])) << c;
 }
 
-/// A lamp within a solid can't be sampled from where the walk scatters: what runs into it brings all of its light.
+/// A light inside a solid can't be sampled at scattering events of the walk, so a walk that hits it gets the full
+/// emission.
 TEST(Subsurface, LampsWithinAreFoundByScattering)
 {
     Mean mean[2];
@@ -213,8 +215,8 @@ TEST(Subsurface, LampsWithinAreFoundByScattering)
     }
 }
 
-/// Of a material that refracts half of the light and scatters the other half, each half comes to its own medium: what
-/// is refracted passes, the other is absorbed.
+/// Half of the light is refracted and half is scattered, each into its own medium: the refracted part is transmitted,
+/// the other absorbed.
 TEST(Subsurface, RefractedLightIsInAnotherMedium)
 {
     Material m = subsurface({0, 0, 0}, 0.01);
@@ -227,8 +229,8 @@ TEST(Subsurface, RefractedLightIsInAnotherMedium)
     expect_mean(render_film(b.scene, small_picture(), 64), 0.5, 0.005);
 }
 
-/// What a texture says where light comes in is what the solid scatters, times the material's colour; and it is what the
-/// albedo shows. Both boxes are filled with the same medium.
+/// The texture where light enters times the material's color is the albedo of the walk, and of the albedo layer. Both
+/// boxes have the same medium.
 TEST(Subsurface, ColourHasATexture)
 {
     const Color colors[] = {{0.85f, 0.5f, 0.15f}, {0.2f, 0.8f, 0.5f}};
@@ -262,8 +264,8 @@ TEST(Subsurface, ColourHasATexture)
     }
 }
 
-/// Light that went through one solid is scattered by the colour of the next one there: in a corner of two, textures
-/// that are the same everywhere show what plain colours show.
+/// After crossing one solid, light is scattered with the color of the next: in a corner of two solids, constant
+/// textures look like plain colors.
 TEST(Subsurface, EachSolidHasItsOwnTexture)
 {
     Mean mean[2];
@@ -293,7 +295,7 @@ TEST(Subsurface, EachSolidHasItsOwnTexture)
             << c;
 }
 
-/// A material whose radius is by a texture: the product of both is 0.4, 0.2 and 0.1 metres by channel.
+/// A material with a textured radius: the product is 0.4, 0.2 and 0.1 meters by channel.
 Material radius_by_textures(SceneBuilder& b, Color color, float size)
 {
     const auto constant = [&](Color value) {
@@ -311,8 +313,8 @@ Material radius_by_textures(SceneBuilder& b, Color color, float size)
     return m;
 }
 
-/// Light that is let in diffusely goes through a slab that only absorbs by twice the third exponential integral of its
-/// optical thickness: 2 E3(t) = 2 int_0^1 mu exp(-t / mu) dmu. Both slabs are filled with the same medium.
+/// Diffuse light crosses an absorbing slab with the transmittance 2 E3(t) = 2 int_0^1 mu exp(-t / mu) dmu of its
+/// optical thickness t. Both slabs have the same medium.
 TEST(Subsurface, RadiusHasATexture)
 {
     SceneBuilder slabs;
@@ -338,7 +340,7 @@ TEST(Subsurface, RadiusHasATexture)
     }
 }
 
-/// Where it scatters, too, and where lights are sampled within: chalk under a lamp whose back is seen, in wax and
+/// Textured radii with scattering, and with NEE inside the solid: chalk under a light whose back is visible, in wax and
 /// in black ice.
 TEST(Subsurface, TexturedRadiusIsThatOfAllWays)
 {
@@ -366,7 +368,7 @@ TEST(Subsurface, TexturedRadiusIsThatOfAllWays)
     }
 }
 
-/// Steps of the walk are no bounces: in and out are two, and with fewer nothing comes out.
+/// Steps of the walk are not bounces: entering and leaving are two, and a lower limit gives black.
 TEST(Subsurface, OnlySurfacesCountForTheDepth)
 {
     const auto radiance = [](int depth) {

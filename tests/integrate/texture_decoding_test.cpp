@@ -8,7 +8,7 @@
 #include "fathom/image.h"
 #include "picture_helpers.h"
 
-// Image files are decoded by all threads at once, and nobody can tell.
+// Image files are decoded in parallel without any effect on the result.
 namespace fathom {
 namespace {
 
@@ -18,14 +18,15 @@ class TextureDecoding : public testing::Test {
 protected:
     TextureDecoding()
     {
-        // Tests run side by side.
+        // Tests run in parallel, so each needs its own folder.
         folder_ = std::filesystem::temp_directory_path() /
                   (std::string("fathom-decoding-") + testing::UnitTest::GetInstance()->current_test_info()->name());
         std::filesystem::create_directories(folder_);
     }
     ~TextureDecoding() override { std::filesystem::remove_all(folder_); }
 
-    /// Noise of its own for each name; a format and a size that make files finish in another order than they begin.
+    /// A noise image for each number; formats and sizes vary so that files finish decoding in a different order than
+    /// they start.
     std::filesystem::path picture(int number)
     {
         static const char* const extensions[] = {"png", "exr", "hdr", "png"};
@@ -36,19 +37,19 @@ protected:
         std::mt19937 random(static_cast<unsigned>(number));
         for (int i = 0; i < image.width * image.height * 3; ++i)
             image.layers[0].pixels.push_back(std::uniform_real_distribution<float>(0, 1)(random));
-        // 16 bits in sRGB and EXR of floats stay floats.
+        // 16-bit sRGB images and float EXR files are stored as floats.
         write_image(file, image, {.display = {}, .png_bits = number % 4 == 0 ? 8 : 16});
         return file;
     }
 
-    /// Unlit squares that show a texture each, under an environment that is a picture as well.
+    /// Unlit squares that show one texture each, under an image environment.
     SceneDescription scene()
     {
         test::SceneBuilder b;
         for (int i = 0; i < squares * squares; ++i) {
             b.scene.images.push_back({"image", picture(i), {}});
             Texture texture;
-            // Some twice, and some in both colour spaces.
+            // Some images are used twice, some in both color spaces.
             texture.image = i % 7 == 6 ? i - 3 : i;
             texture.color_space = i % 7 == 6 ? ColorSpace::linear : ColorSpace::srgb;
             b.scene.textures.push_back(texture);
@@ -94,7 +95,7 @@ Outcome compile_with(int threads, const SceneDescription& description)
 TEST_F(TextureDecoding, IsTheSameForAnyNumberOfThreads)
 {
     SceneDescription description = scene();
-    // One is missing, one is cut short, and one is no picture.
+    // One file is missing, one is truncated, and one is not an image.
     std::filesystem::remove(description.images[2].path);
     std::filesystem::resize_file(description.images[12].path, 300);
     std::ofstream(description.images[19].path) << "no picture";
@@ -111,7 +112,7 @@ TEST_F(TextureDecoding, IsTheSameForAnyNumberOfThreads)
 TEST_F(TextureDecoding, GivesEachTextureItsOwnPicture)
 {
     SceneDescription description = scene();
-    const auto value = [](int i) { return float(i + 1) / 51; };  // a code of 8 bits, but no half
+    const auto value = [](int i) { return float(i + 1) / 51; };  // an 8-bit code, but not exact as a half
     for (int i = 0; i < squares * squares; ++i) {
         Image image;
         image.width = image.height = i % 3 == 0 ? 512 : 8;
@@ -122,7 +123,7 @@ TEST_F(TextureDecoding, GivesEachTextureItsOwnPicture)
     }
     const Outcome outcome = compile_with(8, description);
     for (int i = 0; i < squares * squares; ++i) {
-        // The middle of the square; rows go down, squares up.
+        // The square's center; rows go down, squares go up.
         const int x = i % squares * pixels_per_square + 2, y = side - 1 - i / squares * pixels_per_square - 2;
         const float shown = outcome.pixels[std::size_t(3 * (y * side + x))];
         EXPECT_NEAR(shown, value(description.textures[std::size_t(i)].image), 1e-6f) << i;
@@ -132,7 +133,7 @@ TEST_F(TextureDecoding, GivesEachTextureItsOwnPicture)
 TEST_F(TextureDecoding, ObeysALimitOfMemory)
 {
     const std::filesystem::path file = picture(0);
-    // Three floats of each texel, made of four bytes.
+    // Three floats for each texel, converted to four bytes.
     EXPECT_NO_THROW(read_image(file, 512 * 512 * 16));
     EXPECT_THROW(read_image(file, 512 * 512 * 16 - 1), Error);
 }

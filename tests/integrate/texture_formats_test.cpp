@@ -8,7 +8,7 @@
 #include "fathom/image.h"
 #include "picture_helpers.h"
 
-// Images keep their values whatever format they are stored in, and take no more memory than they must.
+// Textures keep their values in any file format and use the smallest sufficient storage.
 namespace fathom {
 namespace {
 
@@ -19,7 +19,7 @@ struct Kind {
     WriteOptions write;
     ColorSpace space;
     double bytes_per_texel;
-    float most;  ///< of the values
+    float most;  ///< largest value
 };
 
 const Kind kinds[] = {
@@ -50,8 +50,8 @@ Image noise(bool alpha, float most)
     return image;
 }
 
-/// A square that shows the texture as it is, a texel in each pixel. It goes on beyond the picture: what hits its very
-/// edge may miss it.
+/// A square that shows the texture with one texel per pixel. It extends beyond the image because rays at its very edge
+/// may miss it.
 SceneDescription square(const std::filesystem::path& file, ColorSpace space)
 {
     test::SceneBuilder b;
@@ -78,7 +78,7 @@ class TextureFormats : public testing::TestWithParam<Kind> {
 protected:
     TextureFormats()
     {
-        // Tests run side by side.
+        // Tests run in parallel, so each needs its own file.
         std::string name = testing::UnitTest::GetInstance()->current_test_info()->name();
         std::replace(name.begin(), name.end(), '/', '-');
         file_ = std::filesystem::temp_directory_path() / ("fathom-texture-" + name + "-" + GetParam().file);
@@ -119,7 +119,7 @@ TEST_P(TextureFormats, TakeNoMoreMemoryThanTheyMust)
     EXPECT_EQ(double(with - without), kind.bytes_per_texel * side * side);
 }
 
-/// The values between texels, and beyond the edge, are those of a file of floats.
+/// Filtered values between texels and beyond the edge equal those of a float file.
 TEST_P(TextureFormats, MixTexelsAlike)
 {
     const Kind& kind = GetParam();
@@ -128,7 +128,7 @@ TEST_P(TextureFormats, MixTexelsAlike)
     Image decoded = stored;
     if (kind.space == ColorSpace::srgb && !stored.is_linear)
         for (float& v : decoded.layers[0].pixels) v = float(linear_from_srgb(double(v)));
-    // No half, so that all stays float.
+    // This value has no exact half, so storage stays float.
     decoded.layers[0].pixels[0] = 0.1f;
     SceneDescription scene = square(file_, kind.space);
     scene.textures[0].nearest = false;
@@ -145,7 +145,7 @@ TEST_P(TextureFormats, MixTexelsAlike)
         const double a = double(shown.layers[0].pixels[i]), b = double(expected.layers[0].pixels[i]);
         different += std::abs(a - b) > 2e-6 * double(kind.most);
     }
-    // The texel that was changed shows at most in some 4 x 4 pixels for each of 6 repetitions.
+    // The changed texel affects at most 4 x 4 pixels in each of 6 repetitions.
     EXPECT_LE(different, 3 * 6 * 16);
 }
 
@@ -171,7 +171,7 @@ const auto file_of = [](const auto& test) {
     std::replace_if(name.begin(), name.end(), [](char c) { return !std::isalnum(static_cast<unsigned char>(c)); }, '_');
     return name;
 };
-// It is no light, so there is none: nothing may be looked up in the empty table.
+// The scene has no lights at all: nothing may be looked up in the empty light table.
 TEST(UnlitSquare, ShowsItsColourWhereThereIsNoLight)
 {
     test::SceneBuilder b;
@@ -186,7 +186,7 @@ TEST(UnlitSquare, ShowsItsColourWhereThereIsNoLight)
 }
 
 INSTANTIATE_TEST_SUITE_P(All, TextureFormats, testing::ValuesIn(kinds), file_of);
-// Those that keep an alpha apart from colour.
+// Formats with a separate alpha channel.
 INSTANTIATE_TEST_SUITE_P(Png, TextureAlpha, testing::ValuesIn(kinds, kinds + 4), file_of);
 
 }  // namespace

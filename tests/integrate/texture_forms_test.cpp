@@ -4,14 +4,14 @@
 
 #include "picture_helpers.h"
 
-// Where textures lie on shapes, which channel does what, and what normal maps bend, by arithmetic.
+// Placement of textures on shapes, channel assignment, and normal maps, against closed forms.
 namespace fathom {
 namespace {
 
 using namespace test;
 
-/// What an orthographic camera at z = 5 sees of [-1, 1] x [-1, 1] in the plane z = 0, pixel by pixel, without noise in
-/// a scene of unlit surfaces.
+/// An orthographic camera at z = 5 that sees [-1, 1] x [-1, 1] in the plane z = 0; unlit surfaces give images without
+/// noise.
 class View : public SceneBuilder {
 public:
     static constexpr int side = 16;
@@ -22,7 +22,7 @@ public:
         scene.cameras[0].kind = CameraKind::orthographic;
         scene.cameras[0].height = 2;
     }
-    /// Of n pixels a side; one sample each, which lies anywhere in its pixel.
+    /// n x n pixels with one sample each, anywhere in its pixel.
     std::vector<float> pixels(std::uint64_t samples = 1, int n = side)
     {
         return render_film(scene, small_picture(n, n), samples).image(false, false).layers[0].pixels;
@@ -57,7 +57,7 @@ protected:
     }
     ~TextureForms() override { std::filesystem::remove(file_); }
 
-    /// Rows from the top; four channels, premultiplied as files are.
+    /// Rows from the top; four channels, premultiplied as in files.
     Texture picture(SceneDescription& scene, int width, int height,
                     const std::function<std::array<float, 4>(int, int)>& value)
     {
@@ -74,7 +74,7 @@ protected:
         t.nearest = true;
         return t;
     }
-    /// Colours that say where they are: red grows with x, green with y.
+    /// Colors that encode the position: red increases with x, green with y.
     Texture places(SceneDescription& scene, int n = 4)
     {
         return picture(scene, n, n, [](int x, int y) { return std::array{float(x), float(y), 0.5f, 1.f}; });
@@ -83,8 +83,8 @@ protected:
     std::filesystem::path file_;
 };
 
-/// Pictures hang upright on what faces the viewer: on rectangles, boxes' fronts, disks, meshes, spheres, in lists and
-/// trees.
+/// Textures are upright when facing the viewer: on rectangles, fronts of boxes, disks, meshes and spheres, in lists and
+/// BVHs.
 TEST_F(TextureForms, HangUpright)
 {
     for (const bool tree : {false, true})
@@ -109,12 +109,12 @@ TEST_F(TextureForms, HangUpright)
                     double s = (x + 1) / 2, t = (1 - y) / 2;
                     if (kind == 2) s = 0.5 + x / 2 / std::sqrt(2.0), t = 0.5 - y / 2 / std::sqrt(2.0);
                     if (kind == 4) {
-                        // u turns about +y from +x towards -z, v goes down from the pole at +y.
+                        // u rotates about +y from +x towards -z; v descends from the pole at +y.
                         const double z = std::sqrt(4 - x * x - y * y);
                         s = std::atan2(-z, x) / (2 * std::numbers::pi), s += s < 0 ? 1 : 0;
                         t = std::acos(y / 2) / std::numbers::pi;
                     }
-                    // Not where a pixel of 1/8 has texels of two kinds in it.
+                    // Skip pixels (1/8 wide) that cover texels of two kinds.
                     const double margin = kind == 4 ? 0.12 : 0.26;
                     const double fs = s * 4 - std::floor(s * 4), ft = t * 4 - std::floor(t * 4);
                     if (std::min({fs, 1 - fs, ft, 1 - ft}) < margin) continue;
@@ -126,7 +126,7 @@ TEST_F(TextureForms, HangUpright)
         }
 }
 
-/// KHR_texture_transform: scaled, turned, moved; the matrix of its specification written out.
+/// KHR_texture_transform: scale, rotation, offset by the matrix of its specification.
 TEST_F(TextureForms, OffsetRotationScaleAndSet)
 {
     for (const bool second : {false, true})
@@ -148,7 +148,7 @@ TEST_F(TextureForms, OffsetRotationScaleAndSet)
             int checked = 0;
             for (int row = 0; row < 64; ++row)
                 for (int column = 0; column < 64; ++column) {
-                    // Where all of the pixel lies on one texel.
+                    // Pixels that lie entirely in one texel.
                     Color expected;
                     bool one = true;
                     for (int corner = 0; corner < 4; ++corner) {
@@ -171,7 +171,7 @@ TEST_F(TextureForms, OffsetRotationScaleAndSet)
         }
 }
 
-/// A number that a texture's channel says is that number: no bit of the picture differs by more than rounding.
+/// A number from a texture channel equals the plain number up to rounding.
 TEST_F(TextureForms, ChannelsOfRoughnessMetallicAndAlpha)
 {
     const std::array<float, 4> value{0.125f, 0.375f, 0.75f, 0.5f};
@@ -204,7 +204,7 @@ TEST_F(TextureForms, ChannelsOfRoughnessMetallicAndAlpha)
         }
 }
 
-/// The texture's colour times the value, of what reflects and what shines.
+/// Texture color times factor, for reflection and emission.
 TEST_F(TextureForms, ColoursMultiply)
 {
     for (const bool emits : {false, true}) {
@@ -221,7 +221,7 @@ TEST_F(TextureForms, ColoursMultiply)
     }
 }
 
-/// Colours of vertices, mixed by the place in the triangle; each vertex has its own.
+/// Vertex colors, interpolated by barycentric coordinates.
 TEST(VertexForms, ColoursAreMixedByPlace)
 {
     for (const bool tree : {false, true}) {
@@ -241,7 +241,7 @@ TEST(VertexForms, ColoursAreMixedByPlace)
         for (const auto& [x, y] : {std::pair{-0.9, -0.9}, {0.6, -0.9}, {-0.9, 0.6}, {-0.4, -0.3}}) {
             const int column = int((x + 1) * 8), row = int((1 - y) * 8);
             const float* p = &pixels[std::size_t(3 * (row * 16 + column))];
-            // In the pixel's middle, give or take the samples' places.
+            // At the pixel's center, up to the jitter of samples.
             const double mx = (column + 0.5) / 8 - 1, my = 1 - (row + 0.5) / 8;
             const double green = (mx + 1) / 2, blue = (my + 1) / 2;
             EXPECT_NEAR(p[0], 1 - green - blue, 0.01) << x << " " << y;
@@ -250,7 +250,7 @@ TEST(VertexForms, ColoursAreMixedByPlace)
         }
     }
 }
-/// Unlit surfaces show their color times the color of the vertices.
+/// Unlit surfaces show their color times the vertex colors.
 TEST(VertexForms, ColorsOfUnlitSurfaces)
 {
     for (const bool used : {true, false}) {
@@ -270,8 +270,8 @@ TEST(VertexForms, ColorsOfUnlitSurfaces)
     }
 }
 
-/// A normal map of one normal, lit by the sun from several sides: the cosine of that normal, in the frame of what it is
-/// on. Red points along growing u, green up in the picture.
+/// A constant normal map under a sun from several sides shows the cosine of that normal in the shape's frame: red
+/// points along increasing u, green up in the image.
 TEST_F(TextureForms, NormalMaps)
 {
     const Vec3d coded = normalize(Vec3d{0.3, -0.4, 0.8});
@@ -288,7 +288,7 @@ TEST_F(TextureForms, NormalMaps)
                 m.normal_texture = v.texture(t);
                 m.normal_scale = scale;
                 const int material = v.material(m);
-                // Tangent and bitangent as the shape has them.
+                // Tangent and bitangent of the shape.
                 Vec3d right{1, 0, 0}, up{0, 1, 0};
                 if (kind == 0) v.add(Rectangle{{-1, -1, 0}, {2, 0, 0}, {0, 2, 0}}, material);
                 if (kind == 1) {
@@ -300,11 +300,11 @@ TEST_F(TextureForms, NormalMaps)
                     mesh.positions = {{-1, -1, 0}, {1, -1, 0}, {1, 1, 0}, {-1, 1, 0}};
                     mesh.indices = {0, 1, 2, 0, 2, 3};
                     mesh.uvs[0] = {{0, 1}, {1, 1}, {1, 0}, {0, 0}};
-                    if (kind == 3) {  // the picture mirrored: u grows to the left
+                    if (kind == 3) {  // the image is mirrored: u increases to the left
                         mesh.uvs[0] = {{1, 1}, {0, 1}, {0, 0}, {1, 0}};
                         right = {-1, 0, 0};
                     }
-                    if (kind == 4) {  // tangents that say otherwise: up, with the bitangent to the right of it
+                    if (kind == 4) {  // explicit tangents differ: up, with the bitangent to its right
                         mesh.normals.assign(4, {0, 0, 1});
                         mesh.tangents.assign(4, {0, 1, 0, -1});
                         right = {0, 1, 0}, up = {1, 0, 0};
@@ -324,8 +324,7 @@ TEST_F(TextureForms, NormalMaps)
             }
 }
 
-/// The square that the camera sees, with texture coordinates that are skewed, and in the second set what a texture of
-/// the first one finds after its transform.
+/// The visible square with skewed texture coordinates; the second set is the first after the texture's transform.
 Mesh skewed_square(const Texture& transform)
 {
     Mesh mesh;
@@ -340,7 +339,7 @@ Mesh skewed_square(const Texture& transform)
     }
     return mesh;
 }
-/// Transforms of textures by which the tangents turn, or are mirrored.
+/// Texture transforms that rotate or mirror the tangents.
 std::vector<Texture> turning_transforms()
 {
     std::vector<Texture> all(4);
@@ -351,8 +350,8 @@ std::vector<Texture> turning_transforms()
     return all;
 }
 
-/// Tangents without a mesh's own: red of a normal map points to where the u of the map's own coordinates grows, which
-/// are the inverse of the affine map from places to them.
+/// Without mesh tangents, red of a normal map points along increasing u of the map's own coordinates, by the inverse of
+/// the affine map from positions to coordinates.
 TEST_F(TextureForms, NormalMapsFollowTheirOwnCoordinates)
 {
     for (const Texture& transform : turning_transforms())
@@ -372,13 +371,13 @@ TEST_F(TextureForms, NormalMapsFollowTheirOwnCoordinates)
                 Light sun;
                 sun.kind = LightKind::directional;
                 v.light(sun, Transform::rotate({0, 1, 0}, 0.9));
-                // The direction along which u' grows and v' does not: perpendicular to the gradient of v'.
+                // Direction of increasing u' at constant v', perpendicular to the gradient of v'.
                 const std::vector<Vec2f>& uv = mesh.uvs[by_map ? 1 : 0];
                 const double v_by_x = (uv[1].y - uv[0].y) / 2, v_by_y = (uv[3].y - uv[0].y) / 2,
                              u_by_x = (uv[1].x - uv[0].x) / 2, u_by_y = (uv[3].x - uv[0].x) / 2;
                 Vec3d along = normalize(Vec3d{v_by_y, -v_by_x, 0});
                 if (u_by_x * along.x + u_by_y * along.y < 0) along = along * -1.0;
-                // Green points to where v' shrinks.
+                // Green points towards decreasing v'.
                 const Vec3d up = normalize(Vec3d{-v_by_x, -v_by_y, 0});
                 const Vec3d n = normalize(along * 0.5 + up * 0.3 + Vec3d{0, 0, 0.8});
                 const double expected = (n.x * std::sin(0.9) + n.z * std::cos(0.9)) / std::numbers::pi;
@@ -387,7 +386,8 @@ TEST_F(TextureForms, NormalMapsFollowTheirOwnCoordinates)
             }
 }
 
-/// Coat normal maps and directions of anisotropy: one picture, whether the transform is the texture's or the mesh's.
+/// Coat normal maps and anisotropy directions: the transform may be the texture's or already in the mesh's coordinates,
+/// with equal images.
 TEST_F(TextureForms, CoatsAndAnisotropyFollowTheirMaps)
 {
     for (const Texture& transform : turning_transforms())
@@ -423,8 +423,7 @@ TEST_F(TextureForms, CoatsAndAnisotropyFollowTheirMaps)
         }
 }
 
-/// Where alpha lets a share of the rays through, so much of the light passes, too; where it cuts, at and above the
-/// cutoff it stands.
+/// With alpha blending the transmitted fraction also passes shadow rays; with a cutoff, alpha at or above it is opaque.
 TEST(AlphaForms, ShadowsAndCutoff)
 {
     Light sun;
@@ -439,7 +438,7 @@ TEST(AlphaForms, ShadowsAndCutoff)
             veil.alpha_mode = mode;
             veil.alpha_cutoff = 0.8f;
             v.add(Rectangle{{-1, -1, 0}, {2, 0, 0}, {0, 2, 0}}, v.material(floor));
-            // Before the sun, not before the camera.
+            // In front of the sun, but not of the camera.
             v.add(Rectangle{{-4, -4, 8}, {8, 0, 0}, {0, 8, 0}}, v.material(veil));
             v.light(sun, {});
             const double stopped = mode == AlphaMode::blend  ? double(alpha)
@@ -451,11 +450,11 @@ TEST(AlphaForms, ShadowsAndCutoff)
         }
 }
 
-/// Pictures of alpha cut surfaces where they lie on them, in all of a rectangle or a pair of triangles, to the camera
-/// and to shadow rays.
+/// Alpha textures cut surfaces at the right places, on a rectangle and on pairs of triangles, for camera and shadow
+/// rays.
 TEST_F(TextureForms, AlphaLiesWhereThePictureDoes)
 {
-    // Cells of a picture that is the same neither turned nor mirrored.
+    // Cells of a pattern without any rotation or mirror symmetry.
     const auto stands = [](int x, int y) { return ((x * 3 + y * y + (x == 0 ? y : 0)) % 4) < 2; };
     for (const bool tree : {false, true})
         for (const bool shadow : {false, true})
@@ -471,7 +470,7 @@ TEST_F(TextureForms, AlphaLiesWhereThePictureDoes)
                 cut.alpha = {1, v.texture(t), 0};
                 cut.alpha_mode = AlphaMode::mask;
                 floor.base_color.value = {1, 1, 1};
-                // Before the sun, not before the camera, whose picture lies behind it.
+                // In front of the sun, but not of the camera, which is below it.
                 const double z = shadow ? 8 : 0;
                 const int material = v.material(cut);
                 if (!mesh_of_two) v.add(Rectangle{{-1, -1, z}, {2, 0, 0}, {0, 2, 0}}, material);

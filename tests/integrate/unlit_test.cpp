@@ -5,7 +5,7 @@ namespace {
 
 using namespace test;
 
-/// A white panel that is unlit: seen, in a mirror and through glass too, but it lights no floor.
+/// A white unlit panel is visible directly, in a mirror and through glass, but does not illuminate the floor.
 TEST(Unlit, IsSeenAndLightsNothing)
 {
     for (const bool quads : {true, false}) {

@@ -14,7 +14,7 @@ namespace {
 
 using test::first;
 
-/// Looks from (1, 2, 3) along -x with z up: right is +y... by cross(forward, up).
+/// At (1, 2, 3), looking along -x with z up: right is +y by cross(forward, up).
 CameraRecord camera()
 {
     CameraRecord c;
@@ -46,7 +46,7 @@ void expect_near(Vec3d a, Vec3d b, double tolerance = 1e-6)
     EXPECT_NEAR(a.z, b.z, tolerance);
 }
 
-/// As a part of a larger picture: a point here is another one there. With a lens the point in focus is moved as well.
+/// A shifted camera is a crop of a larger image, with the lens: points map to the same rays, also in focus.
 TEST(CameraRay, Shift)
 {
     const Sample2 lens{Float(0.3f), Float(0.8f)};
@@ -67,7 +67,7 @@ TEST(CameraRay, Shift)
         }
 }
 
-/// x grows along `right`, y against `up`: the first pixel is at the top left.
+/// x increases along `right`, y against `up`: the first pixel is at the top left.
 TEST(CameraRay, PerspectiveAndOrthographic)
 {
     CameraRecord c = camera();
@@ -84,7 +84,7 @@ TEST(CameraRay, PerspectiveAndOrthographic)
     }
 }
 
-/// Rays begin all over the lens, uniformly, and those of one point of the picture meet where it is in focus.
+/// Origins are uniform over the lens, and rays of one image point meet at the focus distance.
 TEST(CameraRay, LensAndFocus)
 {
     CameraRecord c = camera();
@@ -117,8 +117,8 @@ TEST(CameraRay, TimeIsThatOfTheShutter)
     EXPECT_LT(ray_of(c, 0.5, 0.5, {Float(0), Float(0)}, 0.999).time, 5);
 }
 
-/// No two decisions of a path share their random numbers: light, direction, choice, roulette, and those of the camera,
-/// at the same bounce and at others.
+/// No two decisions of a path share random numbers: light, direction, lobe, roulette and camera, at the same bounce and
+/// at different ones.
 TEST(RandomNumbers, OfADecisionAreItsOwn)
 {
     struct Decision {
@@ -143,7 +143,7 @@ TEST(RandomNumbers, OfADecisionAreItsOwn)
         for (std::size_t b = 0; b < a; ++b) {
             double sum = 0;
             for (std::uint32_t i = 0; i < n; ++i) sum += numbers[a][i] * numbers[b][i];
-            // Five standard errors of independent numbers.
+            // Five standard errors of the correlation of independent numbers.
             EXPECT_LT(std::abs(12 * sum / n), 5 / std::sqrt(double(n))) << a << " " << b;
         }
 }

@@ -19,7 +19,7 @@ using test::TemporaryFolder;
 
 constexpr int width = 7, height = 5;
 
-/// Sums that differ everywhere, of the samples first to last - 1.
+/// Film with different sums in every pixel for the samples first to last - 1.
 Film some_film(std::uint64_t first, std::uint64_t last, std::vector<Aov> aovs = {}, bool alpha = false)
 {
     RenderSettings settings;
@@ -133,8 +133,7 @@ TEST(FilmFile, PartsAddUp)
     }
 }
 
-/// Files that are read are closed again, those too that turn out to be none: a merge of thousands must not run out of
-/// descriptors.
+/// Film files are closed after reading, also invalid ones: merging thousands of files must not run out of descriptors.
 TEST(FilmFile, LeavesNoFileOpen)
 {
     const auto open_files = [] {
@@ -174,7 +173,7 @@ TEST(FilmFile, IsAddedToNothingThatItDoesNotBelongTo)
     }
 }
 
-/// Every bit counts: in headers, table, pictures and sums.
+/// A flipped bit is detected anywhere: in headers, table, images and sums.
 TEST(FilmFile, AnyDamageIsSeen)
 {
     const TemporaryFolder folder;
@@ -216,7 +215,7 @@ TEST(FilmFile, TellsWhatIsNone)
     EXPECT_THROW(write_film(file, some_film(0, 1), test::made_image(4, 4), {}), Error);
 }
 
-/// A header may claim what it likes: its size is compared with the file's before anything is made of it.
+/// The size in a header is compared with the file's size before memory is allocated.
 TEST(FilmFile, TakesNoMemoryForWhatIsNotThere)
 {
     const TemporaryFolder folder;
@@ -226,15 +225,15 @@ TEST(FilmFile, TakesNoMemoryForWhatIsNotThere)
     const std::string key = "size=7x5;";
     const auto at = std::search(bytes.begin(), bytes.end(), key.begin(), key.end());
     ASSERT_NE(at, bytes.end());
-    // As long as before: the name of a field that follows gives way.
+    // The following field's name shrinks so that the header keeps its length.
     const std::string large = "size=65535x65535;";
     std::vector<char> changed(bytes.begin(), at);
     changed.insert(changed.end(), large.begin(), large.end());
     changed.insert(changed.end(), at + std::ptrdiff_t(key.size()), bytes.end());
     overwrite(file, changed);
-    // The key's attribute is now longer than it says, which ends the headers at once.
+    // The attribute is now longer than its declared size, so reading the headers stops.
     EXPECT_THROW(FilmFile f(file), Error);
-    // A file without bytes that says it is of 65535x65535 pixels, in words that hang together.
+    // A truncated file whose header consistently declares 65535 x 65535 pixels.
     RenderSettings settings;
     settings.width = settings.height = 65535;
     const std::string most = FilmKey{settings, std::string(32, '0')}.text();

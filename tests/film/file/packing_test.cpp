@@ -29,7 +29,7 @@ std::vector<std::uint32_t> through(const Packing& packing, const Film& film, std
     std::vector<std::uint32_t> with_slack = words_of(film, pixel);
     with_slack.resize(with_slack.size() + Packing::slack / 4, 0xccccccccu);
     packing.pack(with_slack.data(), 1, packed.data());
-    // What is behind a pixel counts for nothing.
+    // Bytes after the packed pixel must not be read.
     std::fill(packed.begin() + packing.words() * 4, packed.end(), 0xee);
     std::vector<std::uint32_t> words(std::size_t(film.data().layout.words), 0x12345678u);
     packing.unpack(packed.data(), 1, words.data());
@@ -41,7 +41,7 @@ TEST(Packing, KeepsWhateverThereIs)
     Film film = test::made_film(settings_of(8, 4));
     std::uint32_t state = 1;
     const auto random = [&] { return state = state * 1664525u + 1013904223u; };
-    // Numbers of all lengths, both signs, and ends of zeros: words are masked by chance.
+    // Random masks give numbers of all lengths, both signs and trailing zeros.
     for (std::size_t i = 0; i < 32; ++i)
         for (int w = 0; w < film.data().layout.words; ++w) {
             const std::uint32_t kind = random() >> 30;
@@ -54,7 +54,7 @@ TEST(Packing, KeepsWhateverThereIs)
 TEST(Packing, TakesNoMoreBytesThanTheLargestNeeds)
 {
     Film film = test::made_film(settings_of(4, 1));
-    EXPECT_EQ(Packing(film.data()).words(), 1);  // the ids that nothing was hit: 32 bits
+    EXPECT_EQ(Packing(film.data()).words(), 1);  // the three ids of a pixel without a hit need 32 bits
     for (std::size_t i = 0; i < 4; ++i) film.data().pixel(i)[film.data().layout.ids] = 0;
     EXPECT_EQ(Packing(film.data()).words(), 0);
     const auto bytes_for = [&](std::initializer_list<double> values) {
@@ -69,10 +69,10 @@ TEST(Packing, TakesNoMoreBytesThanTheLargestNeeds)
         const std::string text = packing.text();
         return text;
     };
-    // The sums before it are three of radiance, three squares, alpha and albedo.
+    // The first sums are three of radiance, three of squares, alpha and albedo.
     const std::string none = "0+0,0+0,0+0,0+0,0+0,0+0,0+0,0+0,0+0,0+0,",
                       rest = ",0+0,0+0,0+0,0+0,0+0,0+0,0+0,0+0,0+0,0+0";
-    // Whole numbers begin at bit 36, in the fifth byte: with that of the sign 12 bits of theirs are in two.
+    // The unit bit is bit 36, in the fifth byte: with the sign, integers of 12 bits fit into two bytes.
     EXPECT_EQ(bytes_for({0, 1, 127, -128}), none + "4+2" + rest);
     EXPECT_EQ(bytes_for({0, 1, 2047, -2048}), none + "4+2" + rest);
     EXPECT_EQ(bytes_for({0, 1, 2048, -2048}), none + "4+3" + rest);

@@ -105,14 +105,14 @@ TEST_F(AssimpModule, ColladaAndFbxInMetresWithYUp)
     }
 }
 
-/// All that a material can have comes over from the process that reads, whatever its kind.
+/// Every member of Material survives serialization from the importer's subprocess.
 TEST_F(AssimpModule, AnswersKeepEveryMemberOfMaterials)
 {
     AssimpAnswer answer;
     Material m;
     m.name = "all";
     m.kind = MaterialKind::principled;
-    // Every number another than its default, and than its neighbours'.
+    // Every number differs from its default and from its neighbors.
     int next = 2;
     const auto change = [&](auto& value) {
         using T = std::remove_reference_t<decltype(value)>;
@@ -148,7 +148,7 @@ TEST_F(AssimpModule, AnswersKeepEveryMemberOfMaterials)
         using Member = decltype(member);
         if constexpr (std::is_same_v<Member, std::vector<RampStop> Material::*> ||
                       std::is_same_v<Member, Vec2f Material::*> || std::is_same_v<Member, Transform Material::*>)
-            return true;  // only textures have such
+            return true;  // nested textures occur only inside textures
         else if constexpr (requires { member.index; })
             return a.*member.index == b.*member.index;
         else if constexpr (requires { (a.*member).channel; })
@@ -165,7 +165,7 @@ TEST_F(AssimpModule, AnswersKeepEveryMemberOfMaterials)
     }
 }
 
-/// Keys of physically based materials in FBX, as Maya writes them.
+/// FBX properties of physically based materials as Maya writes them.
 TEST_F(AssimpModule, FbxWithLayers)
 {
     std::string text = fbx;
@@ -250,7 +250,7 @@ TEST_F(AssimpModule, MalformedFilesOfAssimp)
         ++files;
     }
     EXPECT_GT(files, 20u);
-    // What a fuzzer found says nothing of its format.
+    // Names of fuzzer-generated files don't tell the format.
     for (const auto& entry : std::filesystem::directory_iterator(folder / "fuzzer_data"))
         for (const char* name :
              {"f.obj", "f.ply", "f.stl", "f.gltf", "f.glb", "f.json", "f.off", "f.dae", "f.fbx", "f.3ds", "f.blend"}) {

@@ -19,7 +19,7 @@ namespace fathom {
 namespace {
 
 constexpr std::size_t memory = std::size_t(256) << 20;
-constexpr unsigned long_s = 600;  // for work that is to end by itself, on a busy machine too
+constexpr unsigned long_s = 600;  // seconds; long enough for work that ends by itself on a busy machine
 
 double seconds_of(const std::function<void()>& action)
 {
@@ -72,7 +72,7 @@ TEST(RunApart, EndsWorkThatOnlyWaits)
 
 TEST(RunApart, EndsWithTheProgram)
 {
-    // The work holds the writing end of a pipe: that it is gone shows at the other.
+    // The subprocess holds the write end of a pipe; its exit closes it, which shows at the read end.
     int ends[2];
     ASSERT_EQ(pipe(ends), 0);
     const pid_t program = fork();

@@ -8,14 +8,14 @@
 namespace fathom::test {
 namespace {
 
-/// A file of the RGL's format, part by part, so that each can be wrong.
+/// An RGL measured BSDF file with separate fields, so that each can be corrupted.
 struct File {
     struct Field {
         std::string name;
         std::vector<std::uint64_t> shape;
         std::vector<float> values;
         int type = 10;
-        std::string bytes = {};  ///< instead of values
+        std::string bytes = {};  ///< raw bytes instead of values
     };
     std::vector<Field> fields;
     std::string magic = std::string("tensor_file\0\1\0", 14);
@@ -57,7 +57,7 @@ std::vector<float> count_from(float first, std::size_t n)
     return values;
 }
 
-/// All sizes differ, and all values.
+/// All sizes and all values differ.
 File file_of(bool spectral = false)
 {
     File file;
@@ -116,7 +116,7 @@ TEST(MeasuredFile, SpectraBecomeColoursInDaylight)
     const float waves[] = {420, 480, 570, 700};
     for (std::size_t slice = 0; slice < 6; ++slice)
         for (std::size_t i = 0; i < 6; ++i) {
-            // The integral over the whole spectrum, with nothing before the first wavelength and after the last.
+            // Integral over the whole spectrum; values are zero outside the measured wavelengths.
             std::vector<SpectrumPoint> points;
             for (std::size_t w = 0; w < 4; ++w)
                 points.push_back({double(waves[w]), double(spectra[(slice * 4 + w) * 6 + i])});
@@ -126,11 +126,11 @@ TEST(MeasuredFile, SpectraBecomeColoursInDaylight)
             EXPECT_NEAR(channel(1), c.g, 1e-5 * double(c.g));
             EXPECT_NEAR(channel(2), c.b, 1e-5 * double(c.b));
         }
-    // What reflects all light is white.
+    // A constant spectrum is white.
     file["wavelengths"].values = {300, 400, 700, 900};
     file["spectra"].values.assign(144, 0.5f);
     for (const float x : read(file).color.values) EXPECT_NEAR(x, 0.5, 1e-5);
-    // A file with both says itself what its colours are.
+    // If a file has RGB data as well as spectra, RGB is used.
     file.fields.push_back({"rgb", {3, 2, 3, 2, 3}, count_from(7, 108)});
     EXPECT_EQ(read(file).color.values, count_from(7, 108));
 }
@@ -208,7 +208,7 @@ protected:
         std::filesystem::create_directory(folder_ / "sub");
         write("sub/paint.bsdf", file_of(true).bytes());
     }
-    /// Of the shapes, in the order of nodes.
+    /// Materials of the shapes in node order.
     static std::vector<Material> materials_of(const SceneDescription& scene)
     {
         std::vector<Material> materials;
@@ -273,7 +273,7 @@ TEST_F(MeasuredScenes, OfMitsuba)
         std::string::npos);
 }
 
-/// What was measured along several directions lies along texture coordinates, which a sphere has as its format says.
+/// Anisotropic measurements are oriented by texture coordinates; a sphere gets those of the imported format.
 TEST_F(MeasuredScenes, ShapesHaveTangentsForThem)
 {
     const auto ways = [&](const std::string& name, const std::string& material) {
@@ -304,7 +304,7 @@ TEST_F(MeasuredScenes, ShapesHaveTangentsForThem)
     EXPECT_EQ(pbrt(R"("measured" "string filename" "Felt.bsdf")"), brushed);
 }
 
-/// The file that is broken is named, not the scene.
+/// Errors name the broken measurement file, not the scene file.
 TEST_F(MeasuredScenes, BrokenFilesAreNamed)
 {
     write("cut.bsdf", file_of().bytes().substr(0, 500));

@@ -59,7 +59,7 @@ TEST_F(FathomJsonMotion, Errors)
               "/scene/0/mesh/motion/1: needs 'normals', since the mesh has them");
 }
 
-/// A transform is taken apart and put together again, mirrored and sheared ones too.
+/// Decomposing and recomposing a transform is exact, also for mirrored and sheared ones.
 TEST(Pose, OfTransforms)
 {
     for (int i = 0; i < 1000; ++i) {
@@ -83,7 +83,7 @@ TEST(Pose, TurnsSteadilyAndTheShorterWay)
 {
     const Pose a = pose_of(Transform::rotate({0, 0, 1}, 3)), b = pose_of(Transform::rotate({0, 0, 1}, -3));
     for (double f : {0.0, 0.25, 0.5, 1.0}) {
-        // From 3 over pi to 2 pi - 3.
+        // The short way from 3 through pi to 2 pi - 3.
         const double angle = 3 + f * (2 * std::numbers::pi - 6);
         expect_near(interpolate(a, b, f).transform().point({1, 0, 0}), {std::cos(angle), std::sin(angle), 0});
     }
@@ -114,7 +114,7 @@ TEST_F(FathomJsonCurves, PointsMove)
     const CurvesKey key = points_at(scene.curves[0], 1);
     EXPECT_EQ(key.points[0].z, 2);
     EXPECT_EQ(key.points[3].z, 4);
-    // Who tells no radius keeps that which he has.
+    // Keys without radii keep the radii of the curve.
     EXPECT_EQ(key.radii, (std::vector<float>{0.5f, 2, 1, 0.5f}));
 }
 

@@ -24,7 +24,7 @@ TEST_F(FathomJson, CornellBox)
     EXPECT_EQ(scene.hints.max_depth, 50);
     EXPECT_EQ(scene.hints.filter, "box");
     EXPECT_EQ(scene.environment.kind, EnvironmentKind::none);
-    ASSERT_EQ(scene.roots.size(), 9u);  // the camera, six rectangles, two boxes
+    ASSERT_EQ(scene.roots.size(), 9u);  // the camera, six rectangles and two boxes
     const Vec3d center{277.5, 277.5, 277.5};
     for (int root : scene.roots) {
         const Node& node = scene.nodes[root];
@@ -89,12 +89,12 @@ TEST_F(FathomJson, Transforms)
     expect_near(moved(scene_with(R"({"scale": 2})"), {1, 2, 3}), {2, 4, 6});
     expect_near(moved(scene_with(R"({"scale": [1, -2, 3]})"), {1, 1, 1}), {1, -2, 3});
     expect_near(moved(scene_with(R"({"rotate": {"axis": [0, 0, 2], "angle_deg": 90}})"), {1, 0, 5}), {0, 1, 5});
-    // In one object: scale, then rotate, then translate, whatever their order in the file.
+    // In one object, scale is applied first, then rotation, then translation, in any order of keys.
     expect_near(moved(scene_with(R"({"translate": [10, 0, 0], "rotate": {"axis": [0, 0, 1], "angle_deg": 90},
                                      "scale": [2, 1, 1]})"),
                       {1, 0, 0}),
                 {10, 2, 0});
-    // In a list: the first is done first.
+    // Transforms in a list are applied in order, the first one first.
     expect_near(moved(scene_with(R"([{"translate": [1, 0, 0]}, {"scale": 3}])"), {1, 0, 0}), {6, 0, 0});
     expect_near(moved(scene_with(R"([{"scale": 3}, {"translate": [1, 0, 0]}])"), {1, 0, 0}), {4, 0, 0});
     expect_near(moved(scene_with(R"({"matrix": [[1, 2, 3, 4], [0, 1, 0, 5], [0, 0, 1, 6], [0, 0, 0, 1]]})"), {1, 1, 1}),
@@ -150,7 +150,7 @@ TEST_F(FathomJson, Glass)
     }
 }
 
-/// Each key of a camera, with numbers that are all different.
+/// Every camera key with a distinct value.
 TEST_F(FathomJson, EveryKeyOfACamera)
 {
     const SceneDescription scene = load("c.json", R"({"cameras": {
@@ -338,7 +338,7 @@ TEST_F(FathomJson, EveryKeyOfShapesLightsAndSurroundings)
     EXPECT_EQ(mesh.uvs[1][2].y, 12);
     EXPECT_EQ(mesh.colors[1].w, 8);
     EXPECT_EQ(mesh.indices, (std::vector<std::uint32_t>{2, 0, 1}));
-    // The spot shines where it is told from where it is told.
+    // The spot light's position and direction are the given ones.
     for (int root : scene.roots)
         if (const Node& node = scene.nodes[std::size_t(root)]; node.light >= 0) {
             expect_near(node.parent_from_node.point({0, 0, -1}), {1, 2, 4});
@@ -421,7 +421,7 @@ TEST_F(FathomJson, LightsWithPictures)
     EXPECT_NE(error(R"("kind": "spot", "up": [1, 0, 0])").find("up"), std::string::npos);
 }
 
-/// By name, and by the same index of refraction; `metal` has no colour of its own at the edge.
+/// Conductors by name or by index of refraction are equal; `metal` has no edge color of its own.
 TEST_F(FathomJson, Conductors)
 {
     const SceneDescription scene = load("l.json", R"({"materials": {
@@ -432,7 +432,7 @@ TEST_F(FathomJson, Conductors)
     const auto& m = scene.materials;
     EXPECT_EQ(m[0].metallic.value, 1);
     EXPECT_EQ(m[0].roughness.value, 0.25f);
-    // ((eta - 1)^2 + k^2) / ((eta + 1)^2 + k^2)
+    // Normal reflectance ((eta - 1)^2 + k^2) / ((eta + 1)^2 + k^2).
     EXPECT_NEAR(m[0].base_color.value.r, 0.9442f, 1e-4f);
     EXPECT_NEAR(m[0].base_color.value.g, 0.7761f, 1e-4f);
     EXPECT_NEAR(m[0].base_color.value.b, 0.3734f, 1e-4f);
@@ -477,7 +477,7 @@ TEST_F(FathomJson, LightsAndCamerasStandWhereNodesReferToThem)
     EXPECT_EQ(scene.cameras.at(std::size_t(root(0).camera)).name, "held");
     EXPECT_EQ(scene.lights.at(std::size_t(root(0).light)).name, "lamp");
     EXPECT_EQ(root(1).light, root(0).light);
-    // The others stand by themselves.
+    // Cameras and lights without a node become root nodes.
     EXPECT_EQ(scene.cameras.at(std::size_t(root(2).camera)).name, "free");
     EXPECT_EQ(scene.lights.at(std::size_t(root(3).light)).name, "bulb");
     expect_near(root(3).parent_from_node.point({0, 0, 0}), {1, 2, 3});
@@ -487,8 +487,7 @@ TEST_F(FathomJson, LightsAndCamerasStandWhereNodesReferToThem)
     EXPECT_EQ(error_of("c.json", R"({"scene": [{"light": "b"}]})"), "/scene/0/light: there is no light named 'b'");
 }
 
-/// A picture whose values are said to be what they are is decoded once, whatever it is used for; else once for each
-/// use.
+/// An image with an explicit color space is decoded once for all uses, otherwise once for each color space.
 TEST_F(FathomJson, TexturesOfTwoUses)
 {
     const auto count = [&](const std::string& texture) {
@@ -539,14 +538,14 @@ TEST_F(FathomJson, FilesOfNumbers)
     EXPECT_EQ(scene.curves[0].counts, (std::vector<std::uint32_t>{2, 2}));
     EXPECT_EQ(scene.curves[0].radii, (std::vector<float>{1, 2, 3, 4}));
     EXPECT_EQ(scene.points.at(0).radii.at(3), 4);
-    EXPECT_EQ(scene.files.size(), 5u);  // the scene, and a file for each use
+    EXPECT_EQ(scene.files.size(), 5u);  // the scene and one file for each use
 
     EXPECT_EQ(error_of("b.json", R"({"meshes": {"m": {"file": "a.ply", "positions": []}}})"),
               "/meshes/m/positions: unknown key 'positions' in a mesh; known here: file, motion");
     EXPECT_EQ(error_of("c.json", R"({"points": {"p": {"file": ""}}})"), "/points/p/file: the path of a file is empty");
     write("c.ply", ply + "element curve 1\nproperty uint vertices\nend_header\n" + rows + "5\n");
     EXPECT_THROW(load("d.json", R"({"curves": {"c": {"file": "c.ply"}}})"), Error);
-    EXPECT_THROW(load("e.json", R"({"curves": {"c": {"file": "a.ply"}}})"), Error);  // no counts
+    EXPECT_THROW(load("e.json", R"({"curves": {"c": {"file": "a.ply"}}})"), Error);  // counts missing
 }
 
 TEST_F(FathomJson, MatricesMayFlattenWhereTheySaySo)

@@ -11,8 +11,7 @@
 #include "fathom/render.h"
 #include "formats/import_test_helpers.h"
 
-// What is written of a scene and read again is the same scene: the same tables bit by bit, which the fingerprint is of,
-// and the same camera.
+// Saving and reloading a scene preserves the fingerprint of its compiled tables and its camera.
 namespace fathom::test {
 namespace {
 
@@ -30,7 +29,7 @@ void expect_same_files(const std::map<std::string, std::string>& a, const std::m
     EXPECT_EQ(a.size(), b.size());
 }
 
-/// The bytes of all files below a folder.
+/// Contents of all files below a folder.
 std::map<std::string, std::string> files_of(const fs::path& folder)
 {
     std::map<std::string, std::string> files;
@@ -41,7 +40,7 @@ std::map<std::string, std::string> files_of(const fs::path& folder)
 
 struct Rendered {
     std::uint64_t fingerprint;
-    std::string key;  ///< with the camera
+    std::string key;  ///< fingerprint of the tables and the camera
     std::vector<std::string> added;
 };
 Rendered rendered(SceneDescription scene)
@@ -67,7 +66,7 @@ protected:
         save_scene(scene, target(name), save_warnings_);
         return load_scene(target(name), {}, warnings_);
     }
-    /// Written and read again it renders the same, and written once more it is the same file.
+    /// A saved scene renders the same when reloaded, and saving it again gives an identical file.
     void expect_same(const SceneDescription& scene)
     {
         const SceneDescription again = saved(scene);
@@ -91,7 +90,7 @@ protected:
         EXPECT_EQ(a.lights.size(), b.lights.size());
         EXPECT_EQ(a.cameras.size(), b.cameras.size());
     }
-    /// What was read from a written file is written as that file, but for pictures, which are where they were.
+    /// A reloaded scene is saved to an identical file, except that images stay where they are.
     void expect_stable(const SceneDescription& again)
     {
         if (!again.images.empty()) return;
@@ -127,7 +126,7 @@ INSTANTIATE_TEST_SUITE_P(Scenes, SaveFile, ::testing::ValuesIn(scenes()), [](con
     return name;
 });
 
-// ------------------------------------------------------------------------------------------- what files seldom have
+// --------------------------------------------------------------------------------------------- rarely used features
 
 std::vector<std::byte> bytes_of_picture(const char* name)
 {
@@ -137,7 +136,7 @@ std::vector<std::byte> bytes_of_picture(const char* name)
     return result;
 }
 
-/// A node at the root with one shape.
+/// Adds a root node with one shape.
 Node& add_shape(SceneDescription& scene, decltype(Shape::geometry) geometry, int material = -1)
 {
     scene.roots.push_back(int(scene.nodes.size()));
@@ -160,7 +159,7 @@ TEST_F(Save, EveryVectorOfAMesh)
     Mesh mesh = triangle();
     mesh.normals.assign(3, {0, 0.6f, 0.8f});
     mesh.tangents.assign(3, {1, 0, 0, -1});
-    // What 1 - v can't give back.
+    // Values that 1 - v cannot restore exactly.
     mesh.uvs[0] = {{1e-20f, 1e-20f}, {0.1f, -0.1f}, {3, 1e-9f}};
     mesh.uvs[1] = {{0, 1}, {0.3f, 0.7f}, {0.123456789f, -0.0f}};
     mesh.colors.assign(3, {0.1f, 0.2f, 0.3f, 0.4f});
@@ -212,7 +211,7 @@ TEST_F(Save, CurvesAndPointsThatNodesShare)
     EXPECT_EQ(again.points.size(), 1u);
 }
 
-/// The tables are saved beside the scene: as colours, where they were spectra.
+/// Measured tables are saved beside the scene; spectra are saved as RGB.
 TEST_F(Save, MeasuredMaterials)
 {
     const SceneDescription golden =
@@ -222,7 +221,7 @@ TEST_F(Save, MeasuredMaterials)
     scene.measured = golden.measured;
     scene.measured[1].name.clear();
     scene.measured[1].color_is_per_facet = false;
-    scene.measured.push_back(scene.measured[0]);  // nobody's
+    scene.measured.push_back(scene.measured[0]);  // not used by any material
     scene.materials.resize(2);
     for (int i = 0; i < 2; ++i) {
         scene.materials[std::size_t(i)].kind = MaterialKind::measured;
@@ -249,7 +248,7 @@ TEST_F(Save, MeasuredMaterials)
     expect_same(scene);
 }
 
-/// Each number that isn't what it usually is, and those that a kind doesn't have.
+/// Every number differs from its default, including parameters that a light kind does not use.
 TEST_F(Save, LightsWithPictures)
 {
     SceneDescription scene;
@@ -274,7 +273,7 @@ TEST_F(Save, LightsWithPictures)
     scene.lights[4].intensity_is_flux = true;
     scene.lights[5].kind = LightKind::spot, scene.lights[5].picture = {2, ColorSpace::srgb, true};
     scene.lights[5].falloff = SpotFalloff::linear;
-    scene.lights[5].intensity_is_flux = true;  // of a spot it means nothing
+    scene.lights[5].intensity_is_flux = true;  // ignored for a spot light
     for (const int beam : {6, 7}) scene.lights[std::size_t(beam)].kind = LightKind::beam;
     scene.lights[7].width = 0.3, scene.lights[7].height = 0.2, scene.lights[7].round = true;
     for (int light = 0; light < 8; ++light) {
@@ -287,8 +286,8 @@ TEST_F(Save, LightsWithPictures)
     expect_same(scene);
 }
 
-/// Several shapes in a node, nodes of several parents, a light and a camera in two places, transforms that flatten or
-/// mirror.
+/// Several shapes in a node, nodes with several parents, a light and a camera with two placements, flattening and
+/// mirroring transforms.
 TEST_F(Save, NodesOfEveryKind)
 {
     SceneDescription scene;
@@ -316,7 +315,7 @@ TEST_F(Save, NodesOfEveryKind)
         node.parent_from_node = Transform::rotate({1, 2, 3}, light);
         scene.nodes.push_back(node);
     }
-    // Two parents for the spot, which stands twice.
+    // Two parents of the spot light's node: two placements.
     Node group;
     group.children = {2, 2, 3};
     group.motion = {{0, Transform::translate({1, 0, 0})}, {1, Transform::translate({1, 0.1, 0})}};
@@ -324,7 +323,7 @@ TEST_F(Save, NodesOfEveryKind)
     scene.nodes.push_back(group);
     expect_same(scene);
     const SceneDescription again = saved(scene);
-    // A light that stands in several places is one node still.
+    // A light with several placements is still one node.
     std::size_t spots = 0;
     for (const Node& node : again.nodes)
         spots += node.light >= 0 && again.lights[std::size_t(node.light)].kind == LightKind::spot;
@@ -397,7 +396,7 @@ TEST_F(Save, PicturesAreNamedAsTheirBytesSay)
     }
 }
 
-/// Parameters that a kind doesn't have decide nothing, here as in a file.
+/// Parameters that a kind does not use have no effect, neither in memory nor in a file.
 TEST_F(Save, ASkyWithItsSun)
 {
     SceneDescription scene;
@@ -446,14 +445,14 @@ TEST_F(Save, WhatAKindDoesNotHaveIsNotCompiled)
     expect_same(scene);
 }
 
-/// All kinds of textures, one after the other and each within the next; a reader finds them in this order.
+/// Every texture kind refers to the next one; a reader finds them in this order.
 TEST_F(Save, GraphsOfTextures)
 {
     SceneDescription scene;
     for (int kind = 1; kind < texture_kind_count; ++kind) {
         Texture t;
         t.kind = TextureKind(kind);
-        // Each refers to the next one, but for the last of every four: graphs may not be deeper than 16.
+        // Each texture refers to the next one except every fourth: graphs are limited to a depth of 16.
         const bool is_last = kind % 4 == 0 || kind == texture_kind_count - 1;
         t.color_a = {{0.25f, 0.5f, 0.75f}, is_last ? -1 : kind};
         t.color_b = {{0.1f, 0.1f, 0.3f}, -1};
@@ -503,7 +502,7 @@ TEST_F(Save, AxesOfCameras)
     }
 }
 
-// ------------------------------------------------------------------------------------------- what can't be written
+// -------------------------------------------------------------------------------------- scenes that can't be saved
 
 TEST_F(Save, WhatNoFileCanSayIsTold)
 {
@@ -550,7 +549,7 @@ TEST_F(Save, NothingThatItWasReadFromIsOverwritten)
     const std::string refusal = ": the scene was read from this file: choose another name";
     const fs::path file = folder_ / "out/scene.json";
     EXPECT_EQ(error_of_saving(again, file), file.string() + refusal);
-    // A scene of another name, whose meshes would fall onto those of this one.
+    // A scene with another name whose mesh files would overwrite those of this one.
     fs::create_directory_symlink(folder_ / "out/scene-files", folder_ / "out/other-files");
     EXPECT_EQ(error_of_saving(again, folder_ / "out/other.json"),
               (folder_ / "out/other-files/mesh-0-a.ply").string() + refusal);

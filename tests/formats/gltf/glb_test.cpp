@@ -8,8 +8,8 @@
 #include "formats/import_test_helpers.h"
 #include "formats/json/json.h"
 
-// A scene written as GLB and read again by our own reader of glTF, which Khronos' sample models keep honest, shows what
-// it showed; and what glTF can't say is told.
+// A scene written as GLB and read by our importer, which is tested with Khronos' sample models, renders the same.
+// Features that glTF lacks are reported.
 namespace fathom::test {
 namespace {
 
@@ -49,7 +49,7 @@ protected:
         return std::any_of(told_.counts().begin(), told_.counts().end(),
                            [&](const auto& told) { return told.first.find(what) != std::string::npos; });
     }
-    /// Mean radiance of the picture that the scene's own camera sees.
+    /// Mean radiance of the image of the scene's own camera.
     Vec3d mean(SceneDescription scene, std::uint64_t samples)
     {
         complete_scene(scene, {});
@@ -76,9 +76,9 @@ protected:
     Warnings told_;
 };
 
-// ------------------------------------------------------------------------------------------------- what is kept
+// ------------------------------------------------------------------------------------------- preserved features
 
-/// Files of glTF come back as they were, to the bit.
+/// glTF files survive bit for bit.
 TEST_F(SaveGlb, ModelsOfGltfAreTheSame)
 {
     for (const char* name : {"scenes/models/chess.glb", "scenes/models/still-life.glb", "tests/golden/scenes/model.glb",
@@ -89,7 +89,7 @@ TEST_F(SaveGlb, ModelsOfGltfAreTheSame)
     }
 }
 
-/// Each layer, and what is beside it, by what reading makes of what was written.
+/// Each material layer and its extension, checked in the reloaded scene.
 TEST_F(SaveGlb, LayersOfMaterials)
 {
     const SceneDescription scene = load("layers.json", R"({"fathom": 1, "materials": {
@@ -138,7 +138,7 @@ TEST_F(SaveGlb, LayersOfMaterials)
     EXPECT_EQ(again.materials[4].kind, MaterialKind::unlit);
 }
 
-/// As glTF has them, which facets are drawn out along the rougher one.
+/// Two roughnesses become glTF's anisotropy, which stretches facets along the rougher axis.
 TEST_F(SaveGlb, TwoRoughnesses)
 {
     const SceneDescription again = saved(load("rough.json", R"({"fathom": 1, "materials": {
@@ -156,7 +156,7 @@ TEST_F(SaveGlb, TwoRoughnesses)
     EXPECT_TRUE(is_told("shadowing of facets by each direction alone"));
 }
 
-/// A room of diffuse rectangles under a lamp has the light that it had, by other samples: its rectangles are triangles.
+/// A diffuse room keeps its mean radiance; samples differ because rectangles become triangles.
 TEST_F(SaveGlb, RoomsHaveTheirLight)
 {
     const SceneDescription room = of_repository("scenes/cornell-box.json");
@@ -183,9 +183,9 @@ TEST_F(SaveGlb, PlacesLightsAndCameras)
     EXPECT_EQ(again.lights[0].intensity, (Color{8, 4, 2}));
     EXPECT_NEAR(again.lights[0].outer_angle, 0.5235987756, 1e-9);
     const Json json = json_of();
-    // One set of triangles for both spheres.
+    // Both spheres share one mesh.
     EXPECT_EQ(json["meshes"].size(), 1u);
-    // The camera looks along +z: its own x axis is the scene's -x.
+    // The camera looks along +z, so its x axis is the scene's -x.
     const auto camera =
         std::find_if(json["nodes"].begin(), json["nodes"].end(), [](const Json& n) { return n.contains("camera"); });
     ASSERT_NE(camera, json["nodes"].end());
@@ -193,7 +193,7 @@ TEST_F(SaveGlb, PlacesLightsAndCameras)
     EXPECT_TRUE(is_told("spheres are made of triangles"));
 }
 
-/// glTF has no pictures of lights.
+/// glTF has no image-textured lights, so they are reported.
 TEST_F(SaveGlb, TellsOfPicturesOfLights)
 {
     write("p.ppm", "P6\n1 1\n255\nabc");
@@ -210,7 +210,7 @@ TEST_F(SaveGlb, TellsOfPicturesOfLights)
     EXPECT_TRUE(is_told("pictures of lights are left out"));
 }
 
-/// The file as the format's specification has it.
+/// The byte layout follows the GLB specification.
 TEST_F(SaveGlb, Container)
 {
     saved(of_repository("scenes/models/still-life.glb"));
@@ -233,7 +233,7 @@ TEST_F(SaveGlb, Container)
         }
 }
 
-// -------------------------------------------------------------------------------------------------- what is told
+// ----------------------------------------------------------------------------------------------- reported losses
 
 TEST_F(SaveGlb, WhatGltfCanNotSay)
 {

@@ -18,7 +18,7 @@ protected:
         set_pose(file.scene, player.pose(time_s));
         return file.scene;
     }
-    /// One animation of channels with a sampler each: "input, output" and the target.
+    /// One animation whose channels have a sampler each, given as "input, output" and the target.
     static std::string animation(const std::vector<std::pair<std::string, std::string>>& channels)
     {
         std::vector<std::string> samplers, targets;
@@ -50,7 +50,7 @@ protected:
     }
 };
 
-/// Keys as floats, normalised shorts and bytes, and sparse ones.
+/// Keys as floats, normalized shorts and bytes, and sparse accessors.
 TEST_F(GltfAnimation, NodesMove)
 {
     GltfBuilder b;
@@ -75,7 +75,7 @@ TEST_F(GltfAnimation, NodesMove)
     EXPECT_EQ(file.rig.animations[0].name, "move");
     EXPECT_EQ(file.rig.animations[0].duration(), 2);
     EXPECT_TRUE(warnings_.empty()) << warning();
-    // At rest as without an animation.
+    // The rest pose equals the file without its animation.
     EXPECT_EQ(file.scene.nodes[0].parent_from_node.m, Transform::translate({0, 0, 7}).m);
     EXPECT_FALSE(file.scene.nodes[0].movable);
     for (const double t : {0.0, 0.5, 1.5, 2.0, 3.0}) {
@@ -88,7 +88,7 @@ TEST_F(GltfAnimation, NodesMove)
     }
 }
 
-/// Two nodes of one mesh, of which one is animated: the other stays.
+/// Two nodes share a mesh and one of them is animated: the other keeps its shape.
 TEST_F(GltfAnimation, WeightsMorphTheirNodeAlone)
 {
     GltfBuilder b;
@@ -137,13 +137,13 @@ TEST_F(GltfAnimation, SkinsFollowTheirJoints)
     EXPECT_EQ(scene.meshes[0].positions[1].z, 3);
     EXPECT_EQ(scene.meshes[0].positions[2].z, 1.5f);
     EXPECT_EQ(world_bounds(scene).max, (Vec3d{1, 1, 3}));
-    // What frames the scene holds all that will be seen.
+    // The scene's bounds, which frame the camera, include all poses.
     SceneFile file = read(gltf);
     const AnimationPlayer player(file.scene, file.rig, 0);
     EXPECT_EQ(world_bounds(file.scene, player).max, (Vec3d{1, 1, 6}));
 }
 
-/// Further sets of joints count as the first does, at rest and in other poses.
+/// All sets of joints are used like the first one, at rest and in other poses.
 TEST_F(GltfAnimation, SkinsOfManyJoints)
 {
     GltfBuilder b;
@@ -151,7 +151,7 @@ TEST_F(GltfAnimation, SkinsOfManyJoints)
     const auto joints = [&](const std::vector<std::uint8_t>& each) {
         return b.accessor(b.view(each), 5121, 3, "VEC4");
     };
-    // The second vertex hangs on five nodes alike.
+    // The second vertex has equal weights on five nodes.
     const int first = joints({0, 0, 0, 0, 0, 1, 2, 3, 0, 0, 0, 0}),
               second = joints({0, 0, 0, 0, 4, 0, 0, 0, 4, 0, 0, 0});
     const int weights = b.floats({1, 0, 0, 0, 0.2f, 0.2f, 0.2f, 0.2f, 1, 0, 0, 0}, "VEC4");
@@ -172,7 +172,7 @@ TEST_F(GltfAnimation, SkinsOfManyJoints)
     }
 }
 
-/// A triangle that has area only in another pose is there then.
+/// A triangle that is degenerate at rest but not in another pose is kept.
 TEST_F(GltfAnimation, TrianglesMayBeFlatAtRest)
 {
     GltfBuilder b;
@@ -229,7 +229,7 @@ TEST_F(GltfAnimation, PointersMoveNumbers)
         warning(),
         "animations of /materials/*/normalTexture/extensions/KHR_texture_transform/rotation are not supported and left "
         "out\nanimations of /materials/*/occlusionTexture/strength are not supported and left out\n");
-    // The strength alone: what it is multiplied with is the file's.
+    // Only the emissive strength is animated; its factor comes from the file.
     EXPECT_EQ(read(gltf).scene.materials[0].emission.value, (Color{0, 10, 0}));
 }
 
@@ -255,13 +255,13 @@ TEST_F(GltfAnimation, NodesVanishAndComeBack)
         for (const Node& n : scene.nodes) count += n.shapes.size();
         return count;
     };
-    EXPECT_EQ(shapes(at(0.5, gltf)), 1u);  // the child's, which nothing leads to
+    EXPECT_EQ(shapes(at(0.5, gltf)), 1u);  // the child, which is not a scene root
     EXPECT_FALSE(world_bounds(at(1.5, gltf)).empty);
     EXPECT_EQ(shapes(at(1.5, gltf)), 3u);
     EXPECT_TRUE(world_bounds(at(2, gltf)).empty);
 }
 
-/// A still needs none of it: a warning, and an error for who asks for it.
+/// Damaged animation data is a warning when rendering a still image, and an error if the animation is requested.
 TEST_F(GltfAnimation, DamagedDataIsNamed)
 {
     GltfBuilder b;
@@ -333,7 +333,7 @@ TEST_F(GltfAnimation, IsFoundByNameOrNumber)
     }
 }
 
-/// A model within a scene has its pose at rest.
+/// A model inside a scene is shown in its rest pose, with a warning.
 TEST_F(GltfAnimation, OfModelsWithinScenesAreTold)
 {
     GltfBuilder b;

@@ -8,7 +8,7 @@
 
 namespace fathom::test {
 
-/// Puts a small glTF together: bytes go into one buffer as a data URI, each piece in a view of its own.
+/// Assembles small glTF files: all bytes go into one buffer (a data URI), with a buffer view for each piece.
 class GltfBuilder {
 public:
     template <class T>
@@ -22,7 +22,7 @@ public:
                                      stride ? fmt::format(R"(, "byteStride": {})", stride) : ""));
         return int(views_.size()) - 1;
     }
-    /// A view of other bytes than `values` unpacked are: those of a compressed one, under an extension's name.
+    /// Buffer view of compressed bytes under an extension's name, with the unpacked size.
     int packed_view(const std::string& packed, std::size_t unpacked_bytes, const std::string& extension,
                     const std::string& members, int stride = 0)
     {
@@ -50,10 +50,10 @@ public:
                                                         : 1;
         return accessor(view(values), 5126, values.size() / components, type);
     }
-    /// A unit right triangle in the xy plane.
+    /// A right triangle with legs of length 1 in the xy plane.
     int triangle() { return floats({0, 0, 0, 1, 0, 0, 0, 1, 0}, "VEC3"); }
 
-    /// The whole file: what is given, and the accessors, views and buffer.
+    /// The whole file: the given members plus accessors, buffer views and buffer.
     std::string gltf(const std::string& members) const
     {
         return fmt::format(
@@ -62,7 +62,7 @@ public:
             members, members.empty() ? "" : ", ", fmt::join(accessors_, ", "), fmt::join(views_, ", "), bytes_.size(),
             base64());
     }
-    /// A file with one node and one mesh of one primitive.
+    /// A file with one node and one mesh with one primitive.
     std::string one_primitive(const std::string& primitive, const std::string& members = "") const
     {
         return gltf(R"("scenes": [{"nodes": [0]}], "nodes": [{"mesh": 0}], "meshes": [{"primitives": [{)" + primitive +

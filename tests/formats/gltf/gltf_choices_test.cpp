@@ -7,10 +7,10 @@
 namespace fathom::test {
 namespace {
 
-/// Scenes and variants of materials that a glTF file has to choose from.
+/// Selection of a scene and of a material variant in glTF files.
 class GltfChoices : public ImportTest {
 protected:
-    /// Three colours, of which variants take the first, the second and, as the file says, the third.
+    /// Three colors: the first and second variants select the first two, the default material is the third.
     static std::string two_variants(const std::string& mappings)
     {
         GltfBuilder builder;
@@ -42,7 +42,7 @@ protected:
 
 constexpr const char* mappings = R"([{"material": 0, "variants": [0]}, {"material": 1, "variants": [1]}])";
 
-/// The name of the picture that a texture with these members shows.
+/// Name of the image of a texture with these members.
 std::string picture_of(const std::function<SceneDescription(const std::string&)>& load, const std::string& texture)
 {
     GltfBuilder b;
@@ -77,7 +77,7 @@ TEST_F(GltfChoices, VariantsTakeTheirMaterials)
     EXPECT_EQ(material_of("dawn", gltf), "red");
     EXPECT_EQ(material_of("noon", gltf), "green");
     EXPECT_EQ(material_of("1", gltf), "green");
-    // A variant that says nothing of a primitive leaves it as it is.
+    // A variant without a mapping for a primitive keeps the default material.
     EXPECT_EQ(material_of("dusk", gltf), "blue");
     EXPECT_TRUE(warnings_.empty());
 }

@@ -7,7 +7,7 @@
 #include <meshoptimizer.h>
 #endif
 
-// Meshes that the tests compress by the libraries' encoders must come back as they were.
+// Meshes compressed by the libraries' own encoders are decoded correctly.
 namespace fathom::test {
 namespace {
 
@@ -48,7 +48,7 @@ protected:
     void expect_the_mesh(const Mesh& mesh, double tolerance) const
     {
         ASSERT_EQ(mesh.indices.size(), indices.size());
-        // Encoders may number vertices and turn triangles otherwise: by their corners' places, in order.
+        // Encoders may renumber vertices and rotate triangles, so corners are compared by sorted positions.
         const auto corners = [](const auto& at, const std::vector<std::uint32_t>& all) {
             std::vector<std::array<double, 9>> triangles;
             for (std::size_t i = 0; i < all.size(); i += 3) {
@@ -116,7 +116,7 @@ TEST_F(GltfCompression, Meshopt)
     EXPECT_TRUE(warnings_.empty());
 }
 
-/// Normals as octahedra of bytes: the direction of the encoded 8-bit vector, by the definition in the extension.
+/// Octahedral filter: 8-bit normals decode to the direction defined in EXT_meshopt_compression.
 TEST_F(GltfCompression, MeshoptFilters)
 {
     const std::vector<std::int8_t> encoded{0, 0, 127, 0, 127, 0, 127, 0, 0, -127, 127, 0};
@@ -161,7 +161,7 @@ TEST_F(GltfCompression, DamagedMeshopt)
     refused(meshopt_file(good, triangles, ext,
                          R"("byteStride": 12, "count": 5, "mode": "ATTRIBUTES", "filter": "QUATERNION")"),
             "QUATERNION is none for elements of 12 bytes");
-    // Fewer elements than the accessor wants.
+    // The stream has fewer elements than the accessor needs.
     refused(meshopt_file(good, triangles, ext, R"("byteStride": 12, "count": 3, "mode": "ATTRIBUTES")"), "");
     EXPECT_NE(
         error_of("a.gltf", meshopt_file(good, triangles, ext, R"("byteStride": 12, "count": 3, "mode": "ATTRIBUTES")")),
@@ -194,7 +194,7 @@ TEST_F(GltfCompression, DamagedDraco)
     refused(with(R"("count")", R"("counts")"), "accessors[0]: key 'count' is missing");
     refused(with(R"("attributes": {"POSITION": 0}}})", R"("attributes": [0]}})"), "expected an object");
     refused(draco_file(good, "", 0, 900), "has 900 elements of 3 components, its compressed bytes 5 of 3");
-    // Every single byte changed: read or refused, never more.
+    // After changing any single byte the file is either read or rejected.
     for (std::size_t i = 0; i < good.size(); ++i)
         for (const int change : {1, 0x80, 0xff}) {
             std::string bad = good;

@@ -34,7 +34,7 @@ TEST_F(GltfErrors, Containers)
               "extensionsRequired[0]: the file requires KHR_x, which is not supported");
 }
 
-/// What is said of a file with one primitive whose POSITION is accessor 0.
+/// A file with one primitive whose POSITION is accessor 0, and the expected error.
 struct Case {
     const char* accessors;
     const char* views;
@@ -165,7 +165,7 @@ TEST_F(GltfErrors, DamagedBytesNeverCrash)
     std::mt19937 random(1);
     for (int i = 0; i < 300; ++i) {
         std::string damaged = whole;
-        // Most of the JSON is at the front; that is where damage hurts.
+        // Most of the JSON is at the front, where damage has the most effect.
         for (int k = 0; k < 3; ++k) damaged[random() % (i % 2 ? 7000 : damaged.size())] = char(random());
         error_of("damaged.glb", damaged);
     }

@@ -4,10 +4,10 @@
 namespace fathom::test {
 namespace {
 
-/// Materials by the extensions that add layers.
+/// Material extensions that add layers.
 class GltfLayers : public ImportTest {
 protected:
-    /// The material of a file with the texture 0 (my.png); json: what stands in the material.
+    /// Material of a file that has texture 0 (my.png); json: members of the material.
     Material material(const std::string& json)
     {
         GltfBuilder b;
@@ -124,7 +124,7 @@ TEST_F(GltfLayers, ScatterWithinAVolume)
     EXPECT_EQ(m.transmission_scatter_anisotropy, 0.25f);
     EXPECT_EQ(m.transmission_scatter.r, 0);
     EXPECT_EQ(m.transmission_scatter.g, 0);
-    // By the extension's page: 1 - (4.09712 + 4.20863 m - sqrt(9.59217 + 41.6808 m + 17.7126 m^2))^2 of ln 4.
+    // KHR_materials_volume_scatter: 1 - (4.09712 + 4.20863 m - sqrt(9.59217 + 41.6808 m + 17.7126 m^2))^2 times ln 4.
     EXPECT_NEAR(m.transmission_scatter.b, 0.951179 * std::log(4.0), 1e-4);
 }
 TEST_F(GltfLayers, DiffuseTransmission)
@@ -150,7 +150,7 @@ TEST_F(GltfLayers, Iridescence)
     EXPECT_EQ(range.color_a.value.g, 200);
     EXPECT_EQ(range.color_b.value.g, 500);
     expect(range.factor, 1, 1, "thickness");
-    // Without a texture it is the greatest thickness.
+    // Without a texture the maximum thickness is used.
     m = extended(R"("KHR_materials_iridescence": {"iridescenceFactor": 1})");
     EXPECT_EQ(m.thin_film_thickness.value, 400);
     EXPECT_EQ(m.thin_film_thickness.texture, -1);
@@ -176,7 +176,7 @@ TEST_F(GltfLayers, SpecularGlossiness)
     EXPECT_GT(m.ior, 1000);
     ASSERT_GE(m.roughness.texture, 0);
     const Texture& rough = scene_.textures[std::size_t(m.roughness.texture)];
-    // 1 where the texture's alpha is 0, 1 - factor where it is 1.
+    // Roughness is 1 where the texture's alpha is 0, and 1 - factor where it is 1.
     EXPECT_EQ(m.roughness.value, 1);
     EXPECT_EQ(rough.color_a.value.g, 1);
     EXPECT_EQ(rough.color_b.value.g, 0.25f);

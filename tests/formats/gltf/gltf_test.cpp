@@ -10,7 +10,7 @@ namespace {
 
 class Gltf : public ImportTest {
 protected:
-    /// The one mesh of a file.
+    /// The only mesh of a file.
     Mesh mesh_of(const std::string& gltf)
     {
         const SceneDescription scene = load("a.gltf", gltf);
@@ -64,11 +64,11 @@ TEST_F(Gltf, AttributesOfEveryType)
                        "COLOR_0": {}, "TANGENT": {}}})",
                     indices, positions, normals, uv, uv1, colors, tangents)));
     expect_equal(mesh.positions.at(1), {1, 0, 0});
-    expect_equal(mesh.positions.at(2), {0, -1, 0});  // -32768 is -1 too
+    expect_equal(mesh.positions.at(2), {0, -1, 0});  // -32768 also decodes to -1
     expect_equal(mesh.normals.at(2), {0, 0, 1});
     EXPECT_FLOAT_EQ(mesh.uvs[0].at(1).x, 32768 / 65535.0f);
     EXPECT_FLOAT_EQ(mesh.uvs[0].at(0).y, 1);
-    EXPECT_FLOAT_EQ(mesh.uvs[1].at(1).x, 51);  // not normalised
+    EXPECT_FLOAT_EQ(mesh.uvs[1].at(1).x, 51);  // not normalized
     EXPECT_FLOAT_EQ(mesh.colors.at(0).z, 0.2f);
     EXPECT_FLOAT_EQ(mesh.colors.at(0).w, 1);  // three components: opaque
     EXPECT_FLOAT_EQ(mesh.tangents.at(1).w, -1);
@@ -115,7 +115,7 @@ TEST_F(Gltf, PrimitiveModes)
             "a.gltf", b.one_primitive(fmt::format(R"("mode": {}, "attributes": {{"POSITION": {}}})", mode, positions)));
         return scene.meshes.empty() ? std::vector<std::uint32_t>{} : scene.meshes[0].indices;
     };
-    EXPECT_EQ(indices_of(4), (std::vector<std::uint32_t>{0, 1, 2}));  // two indices are left over
+    EXPECT_EQ(indices_of(4), (std::vector<std::uint32_t>{0, 1, 2}));  // two extra indices are ignored
     EXPECT_EQ(warnings_with("no whole triangle"), 2u);
     EXPECT_EQ(indices_of(5), (std::vector<std::uint32_t>{0, 1, 2, 1, 3, 2, 2, 3, 4}));
     EXPECT_EQ(indices_of(6), (std::vector<std::uint32_t>{0, 1, 2, 0, 2, 3, 0, 3, 4}));
@@ -125,7 +125,7 @@ TEST_F(Gltf, PrimitiveModes)
 TEST_F(Gltf, PointsAndLines)
 {
     GltfBuilder b;
-    // A box of 3 by 4 by 12, whose diagonal is 13; the last one is used by nothing.
+    // Box of 3 by 4 by 12 with diagonal 13; the last vertex is unused.
     const int positions = b.floats({0, 0, 0, 3, 0, 0, 0, 4, 0, 3, 4, 12, 0, 0, 12, 99, 99, 99}, "VEC3");
     const int indices = b.accessor(b.view<std::uint16_t>({4, 0, 3, 1, 2}), 5123, 5, "SCALAR");
     const auto load_mode = [&](int mode) {
@@ -272,7 +272,7 @@ TEST_F(Gltf, MaterialsAndTextures)
     EXPECT_TRUE(scene.materials[3].thin);
     EXPECT_EQ(scene.materials[3].transmission_color.value, (Color{0.5f, 0.25f, 1}));
     EXPECT_GE(scene.materials[3].transmission_color.texture, 0);
-    EXPECT_EQ(scene.materials[5].alpha.value, 1);  // opaque: alpha counts for nothing
+    EXPECT_EQ(scene.materials[5].alpha.value, 1);  // opaque mode ignores alpha
     EXPECT_EQ(scene.materials[4].base_color.value, (Color{1, 1, 1}));
     EXPECT_EQ(scene.materials[4].metallic.value, 1);
     EXPECT_EQ(warnings_with("VENDOR_fur"), 1u);
@@ -310,7 +310,7 @@ TEST_F(Gltf, CamerasLightsAndTransforms)
     expect_near(scene.nodes[2].parent_from_node.point({1, 1, 1}), {8, 9, 10});
 }
 
-/// Physically, light has no range: that it is left out is said once.
+/// Range is ignored because physical light has none; one warning reports it.
 TEST_F(Gltf, RangeOfLightsIsReported)
 {
     const auto file = [](const char* first, const char* second) {
@@ -328,16 +328,16 @@ TEST_F(Gltf, RangeOfLightsIsReported)
     EXPECT_EQ(warnings_.counts().size(), 1u);
 }
 
-/// Numbers that are all different: nothing is transposed, swapped or taken from its neighbour.
+/// All numbers differ, so transposed, swapped or neighboring values are detected.
 TEST_F(Gltf, OddTransforms)
 {
     const SceneDescription scene = load("a.gltf", R"({"asset": {"version": "2.0"}, "scenes": [{"nodes": [0, 1]}],
         "nodes": [{"matrix": [2, 3, 5, 0, 7, 11, 13, 0, 17, 19, 23, 0, 29, 31, 37, 1]},
                   {"rotation": [0.1, 0.5, -0.7, 0.5], "scale": [2, 3, 4], "translation": [1, 2, 3]}]})");
-    // Columns of the matrix stand one after the other.
+    // Matrices are stored by columns.
     expect_near(scene.nodes[0].parent_from_node.point({1, 10, 100}),
                 {2 + 70 + 1700 + 29, 3 + 110 + 1900 + 31, 5 + 130 + 2300 + 37});
-    // x, y, z, w, by the sandwich product: scaled, turned, moved.
+    // Scale, then rotation by the quaternion x, y, z, w (sandwich product), then translation.
     const Vec3d v{2 * 1.0, 3 * -1.0, 4 * 0.5}, u{0.1, 0.5, -0.7}, t = cross(u, v) * 2.0;
     expect_near(scene.nodes[1].parent_from_node.point({1, -1, 0.5}), v + t * 0.5 + cross(u, t) + Vec3d{1, 2, 3}, 1e-12);
 }
@@ -359,7 +359,7 @@ TEST_F(Gltf, IndicesOfEveryTypeAndSparseOnes)
         const Mesh mesh = mesh_of(
             b.one_primitive(fmt::format(R"("indices": {}, "attributes": {{"POSITION": {}}})", indices, positions)));
         std::vector<int> corners;
-        // Each corner has at most one coordinate that is 1: its number.
+        // At most one coordinate of each vertex is 1, which identifies the vertex.
         for (std::uint32_t i : mesh.indices) {
             const Vec3f p = mesh.positions.at(i);
             corners.push_back(p.x == 1 ? 1 : p.y == 1 ? 2 : p.z == 1 ? 3 : 0);
@@ -370,7 +370,7 @@ TEST_F(Gltf, IndicesOfEveryTypeAndSparseOnes)
     EXPECT_EQ(positions_of(sparse), (std::vector<int>{3, 2, 1}));
 }
 
-/// A stride larger than the elements, of integers and matrices as well.
+/// Byte strides larger than the elements, also for integers and matrices.
 TEST_F(Gltf, Strides)
 {
     GltfBuilder b;
@@ -388,11 +388,11 @@ TEST_F(Gltf, Strides)
     EXPECT_FLOAT_EQ(mesh.colors.at(2).z, 1);
 }
 
-/// What a skin does to normals: by the inverse transpose, so that they stay perpendicular where it stretches.
+/// Skins transform normals by the inverse transpose, so they stay perpendicular under nonuniform scale.
 TEST_F(Gltf, SkinsBendNormals)
 {
     GltfBuilder b;
-    // A slope: the normal (0, 1, 1) of the plane y = 1 - z.
+    // A slope with normal (0, 1, 1) in the plane y = 1 - z.
     const int positions = b.floats({0, 1, 0, 1, 1, 0, 0, 0, 1}, "VEC3");
     const float h = float(std::sqrt(0.5));
     const int normals = b.floats({0, h, h, 0, h, h, 0, h, h}, "VEC3");
@@ -454,7 +454,7 @@ TEST_F(Gltf, ScenesAreChosenByNameOrNumber)
     EXPECT_EQ(root_of("0"), "first");
     EXPECT_EQ(root_of("1"), "second");
     EXPECT_THROW(root_of("b"), Error);
-    // Without scenes: all that is nobody's child.
+    // Without scenes, all nodes that have no parent are roots.
     const SceneDescription all =
         load("b.gltf", R"({"asset": {"version": "2.0"}, "nodes": [{"children": [2]}, {}, {}]})");
     EXPECT_EQ(all.roots, (std::vector<int>{0, 1}));
@@ -466,7 +466,7 @@ TEST_F(Gltf, SkinsStandInTheirPose)
     const int positions = b.floats({0, 0, 0, 1, 0, 0, 0, 2, 0}, "VEC3");
     const int normals = b.floats({0, 0, 1, 0, 0, 1, 0, 0, 1}, "VEC3");
     const int joints = b.accessor(b.view<std::uint8_t>({0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0}), 5121, 3, "VEC4");
-    const int weights = b.floats({1, 0, 0, 0, 1, 0, 0, 0, 1, 1, 0, 0}, "VEC4");  // the last sums up to 2
+    const int weights = b.floats({1, 0, 0, 0, 1, 0, 0, 0, 1, 1, 0, 0}, "VEC4");  // the last vertex's weights sum to 2
     const int bind = b.floats(
         {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, -5, 1}, "MAT4");
     const SceneDescription scene = load("a.gltf", b.gltf(fmt::format(R"(
@@ -479,7 +479,7 @@ TEST_F(Gltf, SkinsStandInTheirPose)
     expect_equal(scene.meshes[0].positions[0], {0, 10, 0});
     expect_equal(scene.meshes[0].positions[1], {1, 10, 15});
     expect_equal(scene.meshes[0].positions[2], {0, 12, 7.5f});
-    // The node's own transform does not count.
+    // A skinned mesh ignores its node's own transform.
     const Bounds bounds = world_bounds(scene);
     EXPECT_EQ(bounds.max, (Vec3d{1, 12, 15}));
 }
@@ -534,7 +534,7 @@ TEST_F(Gltf, WhatIsWrongWithVerticesIsMended)
     const int positions = b.floats({0, 0, 0, 1, 0, 0, 0, 1, 0, 2, 0, 0}, "VEC3");
     const int normals = b.floats({0, 0, 0, 0, 0, 1, NAN, 0, 1, 0, 0, 0}, "VEC3");
     const int uvs = b.floats({0, 0, INFINITY, 0, 0, 1, 0, 0}, "VEC2");
-    // The second triangle has no area: three points on a line.
+    // The second triangle is degenerate: three collinear points.
     const int indices = b.accessor(b.view<std::uint16_t>({0, 1, 2, 0, 1, 3}), 5123, 6, "SCALAR");
     const Mesh mesh = mesh_of(b.one_primitive(
         fmt::format(R"("indices": {}, "attributes": {{"POSITION": {}, "NORMAL": {}, "TEXCOORD_0": {}}})", indices,

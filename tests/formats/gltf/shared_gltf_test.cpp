@@ -23,10 +23,10 @@ std::size_t triangles_below(const SceneDescription& scene, int index)
 
 struct Model {
     const char* file;
-    std::size_t triangles;  ///< counted over instances, those without area included
+    std::size_t triangles;  ///< counted over all instances, including degenerate triangles
     std::size_t materials, images, cameras, lights;
 };
-/// As a test's name shows it.
+/// Prints the model in the test's name.
 void PrintTo(const Model& model, std::ostream* out)
 {
     *out << model.file;
@@ -114,7 +114,7 @@ TEST_F(SharedFiles, BoundsOfKnownModels)
     const Bounds helmet = bounds_of("DamagedHelmet/DamagedHelmet.glb");
     expect_near(helmet.min, {-0.947459, -0.900974, -1.18716}, 1e-5);
     expect_near(helmet.max, {0.942495, 0.900995, 0.812845}, 1e-5);
-    // The same duck in two encodings.
+    // Two encodings of the duck model.
     const Bounds duck = bounds_of("Duck/glTF-Embedded/Duck.gltf"),
                  quantized = bounds_of("Duck/glTF-Quantized/Duck.gltf");
     expect_near(duck.min, quantized.min, 2e-4);
@@ -123,7 +123,7 @@ TEST_F(SharedFiles, BoundsOfKnownModels)
     expect_near(bounds_of("RiggedFigure/RiggedFigure.glb").max, {0.589461, 1.44992, 0.194977}, 1e-4);
 }
 
-/// What is compressed is, but for quantisation, what it was made of.
+/// Compressed models equal the original except for quantization.
 TEST_F(SharedFiles, CompressedModels)
 {
     const auto load = [&](const std::string& file) { return load_scene(shared / file, {}, warnings_); };
@@ -160,7 +160,7 @@ TEST_F(SharedFiles, Extras)
     EXPECT_GE(gloss.materials.at(0).base_color.texture, 0);
 }
 
-/// Every file of a folder loads or is refused in one line; nothing crashes or takes long.
+/// Every file in a folder loads or is rejected with a one-line error, without crashing or taking long.
 void load_all(const std::filesystem::path& folder, std::size_t least,
               const std::function<void(const std::filesystem::path&)>& check)
 {

@@ -5,7 +5,7 @@
 
 #include "formats/import_test_helpers.h"
 
-// Which files are read for a scene, and which are not.
+// Rules for which referenced files are read.
 namespace fathom::test {
 namespace {
 
@@ -77,11 +77,11 @@ TEST_F(Files, WhoseNamesDifferInCase)
     EXPECT_EQ(image("Textures/Wood.PNG"), folder_ / "scene/Textures/Wood.PNG");
     EXPECT_EQ(image("textures/wood.png"), folder_ / "scene/Textures/Wood.PNG");
     EXPECT_EQ(image(R"(.\\TEXTURES\\wood.png)"), folder_ / "scene/Textures/Wood.PNG");
-    // What is there is taken as it is; else the order of a folder decides nothing.
+    // An exact match wins; otherwise the result doesn't depend on the folder's order.
     EXPECT_EQ(image("Textures/b.png"), folder_ / "scene/Textures/b.png");
     EXPECT_EQ(image("textures/b.PNG"), folder_ / "scene/Textures/B.png");
     EXPECT_EQ(image("textures/none.png"), folder_ / "scene/textures/none.png");
-    // Further files are found the same way.
+    // Files referenced by a referenced file follow the same rules.
     write("scene/M.mtl", "newmtl red\nKd 1 0 0\nmap_Kd textures\\WOOD.png\n");
     const SceneDescription obj =
         load("scene/a.obj", "mtllib .\\m.MTL\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl red\nf 1 2 3\n");
@@ -116,7 +116,7 @@ TEST_F(Files, OutsideTheFolderAreRefusedWhereTheSceneIsConfined)
     write("scene/in.bin", triangle);
     expect_outside("scene/a.gltf", gltf_with("in.bin", "../secret.png"));
     expect_outside("scene/a.gltf", gltf_with("../secret.bin", "Textures/in.png"));
-    // Not even whether there is such a file is told.
+    // The error doesn't reveal whether the file exists.
     expect_refused("scene/s.json", R"({"fathom": 1, "scene": [{"model": "../none.ply"}]})");
 }
 
@@ -130,7 +130,7 @@ TEST_F(Files, InsideTheFolderAreRead)
         "image": "link.png"}})")
                   .images.size(),
               2u);
-    // The scene itself may be a link to elsewhere: it is what the user named.
+    // The scene file itself may be a symbolic link that leaves the folder, because the user named it.
     write("other.json", R"({"fathom": 1, "scene": [{"model": "a.obj"}]})");
     fs::create_symlink("../other.json", folder_ / "scene/o.json");
     LoadOptions options;
@@ -150,7 +150,7 @@ TEST_F(Files, PipesAndDevicesAreRefusedAtOnce)
     EXPECT_EQ(warnings_.counts().count((folder_ / "b.obj").string() + ": the material file 'a.mtl' is missing"), 1u);
 }
 
-/// Loads from a pipe without a name, as from `cat FILE | fathom render /dev/stdin`.
+/// Loads from an unnamed pipe, as in `cat FILE | fathom render /dev/stdin`.
 std::string loaded_from_pipe(const std::string& content)
 {
     int ends[2];

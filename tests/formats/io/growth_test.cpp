@@ -8,14 +8,14 @@
 #include "formats/json/json.h"
 #include "support/memory_limit.h"
 
-// Files that are large, deep or ask for much: time and memory grow with the file, and no more.
+// Large, deeply nested or demanding files: time and memory grow linearly with the file.
 namespace fathom::test {
 namespace {
 
 class Growth : public ImportTest {
 protected:
-    /// How many times longer a file of four times the size takes, in processor time, which other programs don't change;
-    /// the shortest of three tries each.
+    /// CPU time of a file of four times the size over that of the file, each the shortest of three runs; CPU time
+    /// doesn't depend on other programs.
     double ratio(const std::string& name, const std::function<std::string(int)>& content, int size)
     {
         const auto seconds = [&](int n) {
@@ -35,7 +35,7 @@ protected:
     }
 };
 
-/// What is linear takes 4 times as long, what is quadratic 16 times.
+/// Linear time gives a ratio of 4, quadratic time 16.
 constexpr double most = 9;
 
 std::string joined(int count, const std::function<std::string(int)>& part)
@@ -121,7 +121,7 @@ TEST_F(Growth, TexturesOfMtl)
 
 TEST_F(Growth, MovingNodesWithinMovingNodes)
 {
-    // Each level doubled the time: 2^60 is more than any machine waits for.
+    // Doubling the time at each level would take 2^60 steps.
     std::string scene = R"({"sphere": {"radius": 1}})";
     for (int i = 0; i < 60; ++i)
         scene = R"({"motion": [{"time": 0}, {"time": 1, "transform": {"translate": [1, 0, 0]}}], "children": [)" +
@@ -134,7 +134,7 @@ TEST_F(Growth, MovingNodesWithinMovingNodes)
 
 TEST_F(Growth, BoundsOfNestedMotionAreThoseOfItsTimes)
 {
-    // Out and back again, the one while the other stands: both are never out at once.
+    // The outer node moves out and back while the inner one stands, and vice versa: both offsets never add up.
     const auto moving = [](const char* times, const std::string& inner) {
         std::string keys;
         const std::string text = times;
@@ -170,7 +170,7 @@ TEST_F(Growth, InvisibleLeavesAreNotSeen)
     EXPECT_EQ(scene.nodes.at(1).camera, 0);
 }
 
-/// Two to the power of `levels` spheres.
+/// 2^levels spheres.
 std::string doubled(int levels, const char* again)
 {
     std::string nodes = R"("n0": {"sphere": {}})";
@@ -183,7 +183,7 @@ std::string doubled(int levels, const char* again)
 
 TEST_F(Growth, ManyRootsCountTogether)
 {
-    // 2^24 spheres and as many nodes twice over are below the limit, eight times that is not.
+    // 2^24 spheres with twice that many nodes are below the limit; eight times as many exceed it.
     EXPECT_EQ(error_of("a.json", doubled(24, "n24")),
               "roots: instances make more than 100 million nodes and shapes of it");
 }
@@ -198,7 +198,7 @@ TEST_F(Growth, WhatInstancesNeedIsLookedAtBeforeItIsTaken)
 
 TEST_F(Growth, CopiesOfAModelAreLookedAtBeforeTheyAreMade)
 {
-    // Each node that gives a model another material has all its nodes once more.
+    // Each node that overrides a model's material copies all nodes of the model.
     write("model.json",
           R"({"fathom": 1, "scene": [)" + joined(20000, [](int) { return std::string(R"({"sphere": {}})"); }) + "]}");
     const auto file = write("a.json", R"({"fathom": 1, "materials": {"m": {}}, "scene": [)" + joined(2000, [](int) {
@@ -222,7 +222,7 @@ TEST(JsonObjects, FindTheirKeysHoweverManyThereAre)
     }
     for (int i = 0; i < 1000; ++i) EXPECT_EQ(json[fmt::format("k{}", i * 7919 % 1000)], i);
     EXPECT_FALSE(json.contains("k1000"));
-    // What is taken out is gone, and the rest is found, though nothing of ours does so.
+    // Erasing and inserting keys works, although Fathom itself never does so.
     json.erase("k5");
     json["new"] = 1;
     json["k5"] = 2;

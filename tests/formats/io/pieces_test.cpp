@@ -15,13 +15,13 @@
 #include "formats/obj/line_blocks.h"
 #include "formats/obj/obj_piece.h"
 
-// Files that are longer than what is in memory of them at a time: where they are cut changes nothing.
+// Files larger than the read buffer: the result doesn't depend on where the buffer's windows end.
 namespace fathom::test {
 namespace {
 
 class Pieces : public ImportTest {};
 
-/// Numbers that look random and are the same each time.
+/// Pseudorandom numbers, the same on every run.
 class Chance {
 public:
     std::uint32_t operator()(std::uint32_t below)
@@ -34,7 +34,7 @@ private:
     std::uint64_t state_ = 1;
 };
 
-/// A triangle by what its corners are: place, texture coordinates, normal.
+/// A triangle by its corners: position, texture coordinates, normal.
 using Corner = std::array<float, 8>;
 using Triangles = std::vector<std::array<Corner, 3>>;
 
@@ -57,7 +57,7 @@ Triangles triangles_of(const SceneDescription& scene, const std::string& name)
     return all;
 }
 
-/// A large OBJ of all kinds of lines, written beside what it says.
+/// A large OBJ file with all kinds of lines, and the triangles it describes.
 struct Large {
     std::string text;
     std::map<std::string, Triangles> objects;
@@ -81,7 +81,7 @@ Large large_obj(int patches)
             file.text += "# a comment that joins nothing \\\no " + object + (chance(2) ? "\r\n" : "\n");
         }
         for (int k = 0; k < 4; ++k) {
-            // All differ, none is rounded, and no three of a patch are in a line.
+            // All coordinates differ, none is rounded, and no three vertices of a patch are collinear.
             positions.push_back({float(patch), float(k == 1 || k == 2), float(k > 1) + float(chance(100)) / 256});
             uvs.push_back({float(chance(1000)) / 1024, float(chance(1000)) / 1024});
             normals.push_back({float(1 + chance(100)) / 128, float(chance(100)) / 128, 0.5f});
@@ -91,7 +91,7 @@ Large large_obj(int patches)
             file.text += fmt::format("vt {} {}{}\n", uvs.back()[0], uvs.back()[1], chance(9) ? "" : " 0");
             file.text += fmt::format("vn  {} {} {}\n", normals.back()[0], normals.back()[1], normals.back()[2]);
         }
-        // Sometimes of a patch long before.
+        // Some faces refer to vertices far back in the file.
         const std::size_t first = 4 * (chance(8) ? std::size_t(patch) : chance(std::uint32_t(patch) + 1));
         const bool is_quad = chance(2), counts_back = chance(3) == 0;
         std::vector<Corner> corners;
@@ -166,7 +166,7 @@ TEST_F(Pieces, EndWhereLinesEnd)
     }
 }
 
-/// CR alone becomes LF, wherever the file is cut; that of CR LF stays.
+/// A lone CR is converted to LF even at the end of a window; CR LF is kept.
 TEST_F(Pieces, EndWhereLinesEndWithCr)
 {
     const std::string text = "v 1 2\rvt \\\r 4\r\n\r\rlast one\r";
@@ -181,7 +181,7 @@ TEST_F(Pieces, EndWhereLinesEndWithCr)
     }
 }
 
-/// Lines of the usual kind are read by a shorter way.
+/// Common line forms take a faster code path with the same result.
 TEST_F(Pieces, UsualLinesAndOthersSayTheSame)
 {
     const char* const words[] = {"0",  "-1.5", "+2", "1e2",  "1E-2", ".5",  "3.",    "1e-400", "16777217", "-0",
@@ -209,7 +209,7 @@ TEST_F(Pieces, UsualLinesAndOthersSayTheSame)
             for (const char* b : words)
                 for (const char* more : {"", " 1", " 1 0.5", " 1 0.5 0.25", " 1 0.5 0.25 8", " 1 1 1 1 1", " 1 \r"}) {
                     const std::string line = fmt::format("{} {} {}{}", key, a, b, more);
-                    // Joined with an empty line, which says nothing but is not usual.
+                    // The empty continuation line adds nothing but forces the general code path.
                     const std::string usual = read(line + '\n'), other = read(line + " \\\n\n");
                     EXPECT_EQ(usual, other) << line;
                     read_at_all += !usual.starts_with("refused");
@@ -236,7 +236,7 @@ TEST_F(Pieces, NameTheFirstLineThatIsWrong)
                           3 * text.size() / patch.size()));
 }
 
-/// More vertices at a position than are looked through one by one, and positions that parts share.
+/// More vertices share a position than the linear search handles, and meshes share positions.
 TEST_F(Pieces, JoinWhatIsAlikeWhereverItIs)
 {
     std::string text = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
@@ -264,7 +264,7 @@ std::string bytes_of(const auto& value)
     return {reinterpret_cast<const char*>(&value), sizeof value};
 }
 
-/// n patches of a triangle and a quad, in either format.
+/// n patches of a triangle and a quad, ASCII or binary.
 std::string large_ply(int n, bool is_ascii, int wrong_face = -1)
 {
     std::string text = fmt::format("ply\nformat {} 1.0\n", is_ascii ? "ascii" : "binary_little_endian");
@@ -322,7 +322,7 @@ TEST_F(Pieces, OfAPlyThatIsWrong)
                   "face 30000: vertex 80000 is out of range: there are 80000");
         EXPECT_NE(error_of("b.ply", whole.substr(0, whole.size() / 2)).find("ends too early"), std::string::npos);
     }
-    // One word, longer than a window.
+    // A token longer than a window.
     EXPECT_EQ(error_of("d.ply",
                        "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\n"
                        "property float z\nend_header\n0\n0\n" +
@@ -331,7 +331,7 @@ TEST_F(Pieces, OfAPlyThatIsWrong)
               "line 10: expected a number, found 'xxxxx");
 }
 
-/// Triangles of a mesh of a million, one of which has no area: the others stay, in order.
+/// Mesh of a million triangles with one degenerate one: the others stay in order.
 TEST_F(Pieces, WithoutArea)
 {
     std::string text = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 2 0 0\n";
@@ -363,7 +363,7 @@ TEST_F(Pieces, OfAnInputFile)
     EXPECT_EQ(input.bytes(), text);
     EXPECT_EQ(input.read(pieces.data(), 100), 100u);
     EXPECT_EQ(pieces.substr(0, 100), text.substr(50000, 100));
-    // The system's own files say that they are empty.
+    // Files in /proc report a size of 0.
     EXPECT_NE(InputFile("/proc/self/status").take().find("VmRSS"), std::string::npos);
 
     InputFile again(file);

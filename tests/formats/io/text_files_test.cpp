@@ -1,4 +1,4 @@
-// Byte order marks, ends of lines and comments, in every format of text.
+// Byte order marks, line endings and comments in every text format.
 #include <fmt/format.h>
 
 #include "formats/import_test_helpers.h"
@@ -10,7 +10,7 @@ namespace {
 
 class TextFiles : public ImportTest {
 protected:
-    /// Every way of ending lines in the same text.
+    /// The text with one of the styles of line endings.
     static std::string with_line_ends(std::string text, const std::string& end)
     {
         for (std::size_t at = text.find('\n'); at != std::string::npos; at = text.find('\n', at + end.size()))
@@ -24,7 +24,7 @@ protected:
             if (message.find(words) != std::string::npos) count += times;
         return count;
     }
-    /// What tells one triangle from another.
+    /// Data that distinguishes the triangles.
     static std::string corners(const SceneDescription& scene)
     {
         std::string text;
@@ -77,7 +77,7 @@ TEST_F(TextFiles, AMarkAndAnyEndOfLines)
     EXPECT_EQ(warnings_with(""), 0u) << warnings_.counts().begin()->first;
 }
 
-/// Each character as two bytes.
+/// Encodes each character as two bytes.
 std::string utf16(const std::string& text, bool big, bool has_mark)
 {
     std::string wide = !has_mark ? "" : big ? "\xfe\xff" : "\xff\xfe";
@@ -110,7 +110,7 @@ TEST_F(TextFiles, Utf16IsRefusedByName)
     }
 }
 
-/// The mark is no part of what is read, by pieces or whole, and of bytes that are not text it is.
+/// The byte order mark is skipped when reading windows or whole files; in binary files it is data.
 TEST_F(TextFiles, MarksOfAnInputFile)
 {
     const std::string text = "v 1 2 3\n" + std::string(10000, '#') + "end";
@@ -154,7 +154,7 @@ TEST_F(TextFiles, LinesOfAScanner)
     EXPECT_TRUE(scan.at_end());
 }
 
-/// Behind a '#', whether a blank stands before it or not.
+/// Comments start at '#' with or without a blank before it.
 TEST_F(TextFiles, CommentsBehindEveryLineOfAnObj)
 {
     write("a.mtl",

@@ -45,8 +45,8 @@ TEST(JsonText, DoublesComeBackWithTheirBits)
     }
 }
 
-/// An angle that no number of degrees gives is at most one unit in the last place off; one that came from degrees
-/// comes back.
+/// Angles are printed in degrees: those that came from degrees are restored exactly, others within one unit in the last
+/// place.
 TEST(JsonText, AnglesComeBack)
 {
     constexpr double unit = std::numbers::pi / 180;
@@ -72,7 +72,7 @@ TEST(JsonText, LinesAreAsLongAsPeopleRead)
     EXPECT_EQ(parse_json("text", json_text(json), DuplicateKeys::error), json);
 }
 
-/// Each level once: what tries a line at every level twice would not end.
+/// Each level is formatted once: trying a single line at every level would take exponential time.
 TEST(JsonText, DeepThingsTakeNoTime)
 {
     Json json = std::string(200, 'x');

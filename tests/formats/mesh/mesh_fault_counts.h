@@ -5,7 +5,8 @@
 
 namespace fathom::test {
 
-/// What a warning about meshes counts: the 1,204 of "37 meshes contain degenerate triangles, 1,204 in all; ignored".
+/// Total count of a mesh warning, for example the 1,204 of "37 meshes contain degenerate triangles, 1,204 in all;
+/// ignored".
 inline std::size_t count_in_all(const Warnings& warnings, const std::string& fault)
 {
     std::size_t sum = 0;

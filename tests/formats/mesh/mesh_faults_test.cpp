@@ -7,7 +7,7 @@ namespace {
 
 class MeshFaultsTest : public ImportTest {
 protected:
-    /// The warnings, each in a line; the folder's name is left out.
+    /// Warnings, one per line, without the folder's name.
     std::string warnings_of(const std::filesystem::path& file)
     {
         warnings_ = {};
@@ -31,7 +31,7 @@ TEST_F(MeshFaultsTest, NumbersAsPeopleWriteThem)
     EXPECT_EQ(thousands_separated(1234567), "1,234,567");
 }
 
-/// One line for each kind of fault: of a file, or of a scene and what it refers to.
+/// One warning for each kind of fault per file, including the files that a scene refers to.
 TEST_F(MeshFaultsTest, OneLineForAKindAndAFile)
 {
     const std::string flat = "v 0 0 0\nv 1 0 0\nv 2 0 0\nv 0 1 0\n", faces = "f 1 2 3\nf 1 2 4\nf 1 1 2\n";
@@ -70,7 +70,7 @@ TEST_F(MeshFaultsTest, OneLineForAKindAndAFile)
               "b.pbrt: 1 mesh contains degenerate triangles, 1 in all; ignored\n");
 }
 
-/// Materials that are not there, and elements with what is not supported: one line for a kind, too.
+/// Missing materials and unsupported elements also give one warning for each kind.
 TEST_F(MeshFaultsTest, OneLineForAKindOfMaterial)
 {
     const std::string triangle = "v 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl x\nf 1 2 3\n";
@@ -89,7 +89,7 @@ TEST_F(MeshFaultsTest, OneLineForAKindOfMaterial)
         << warnings_.counts().begin()->first;
 }
 
-/// What Fathom makes triangles of has none without area, whatever the file makes of it.
+/// Tessellated quadrics contain no degenerate triangles for any parameters.
 TEST_F(MeshFaultsTest, NoneOfQuadricsThatAreTessellated)
 {
     const std::string texture =

@@ -1,5 +1,5 @@
 #pragma once
-/// What the tests of Mitsuba's files share.
+/// Fixture of the Mitsuba import tests.
 #include <numbers>
 #include <string>
 
@@ -23,7 +23,7 @@ protected:
             if (message.find(words) != std::string::npos) return true;
         return false;
     }
-    /// Of the only shape.
+    /// Material of the only shape.
     static const Material& material_of(const SceneDescription& scene)
     {
         for (const Node& node : scene.nodes)

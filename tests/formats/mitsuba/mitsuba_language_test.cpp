@@ -1,4 +1,4 @@
-// Mitsuba's files: the language, cameras, films and integrators.
+// Mitsuba files: the language, cameras, films and integrators.
 #include <fmt/format.h>
 #include <array>
 #include <cmath>
@@ -8,7 +8,7 @@
 namespace fathom::test {
 namespace {
 
-// ---------------------------------------------------------------------------------------------------- the language
+// -------------------------------------------------------------------------------------------------------- language
 
 TEST_F(Mitsuba, ParametersAreReplaced)
 {
@@ -49,8 +49,8 @@ TEST_F(Mitsuba, IncludesAndReferences)
               "line 2, column 28: the id 'a' is taken already: " + (folder_ / "a.xml").string().substr(0, 2));
 }
 
-/// Files that are included are looked for beside the file that includes them, then beside those that include that, in
-/// the folders of <path>, the last one first, and beside the scene.
+/// Included files are searched beside the including file, then beside the files that include it, then in the folders of
+/// <path> (last one first), and finally beside the scene.
 TEST_F(Mitsuba, IncludesWithinIncludes)
 {
     const auto material = [&](const std::string& file, const char* color) {
@@ -71,13 +71,13 @@ TEST_F(Mitsuba, IncludesWithinIncludes)
     expect_color(found(text), 0.2, 0.2, 0.2);
     material("parts/sub/m.xml", "0.3");
     expect_color(found(text), 0.3, 0.3, 0.3);
-    // Of the scene itself.
+    // Found beside the scene.
     material("assets/n.xml", "0.4");
     const std::string paths = R"(<path value="assets"/><path value="more"/><include filename="n.xml"/>)" + shape;
     expect_color(found(paths), 0.4, 0.4, 0.4);
     material("more/n.xml", "0.5");
     expect_color(found(paths), 0.5, 0.5, 0.5);
-    // An object by itself, which the include may give a name.
+    // An included file with a single object, whose name attribute is overridden.
     write("texture.xml", R"(<texture version="3.0.0" type="checkerboard" name="other"/>)");
     const SceneDescription scene = read(R"(<shape type="sphere"><bsdf type="diffuse">
 <include filename="texture.xml" name="reflectance"/></bsdf></shape>)");
@@ -100,7 +100,7 @@ TEST_F(Mitsuba, CyclesAndDamage)
     for (int i = 0; i < 200; ++i) deep += "<bsdf type=\"twosided\">";
     for (int i = 0; i < 200; ++i) deep += "</bsdf>";
     EXPECT_NE(error(deep).find("nested more than 100 deep"), std::string::npos);
-    // Entities are not expanded.
+    // Entities are not expanded, so expansion attacks have no effect.
     EXPECT_EQ(error_of("a.xml",
                        "<!DOCTYPE scene [<!ENTITY a \"1\">]><scene version=\"3.0.0\"><shape type=\"sphere\"><float "
                        "name=\"radius\" value=\"&a;\"/></shape></scene>")
@@ -135,7 +135,7 @@ TEST_F(Mitsuba, Confined)
     load_scene(file, options, warnings_);
 }
 
-// ---------------------------------------------------------------------------------------------------- what is seen
+// ---------------------------------------------------------------------------------- cameras, films and integrators
 
 TEST_F(Mitsuba, TransformsActInOrder)
 {
@@ -161,7 +161,7 @@ TEST_F(Mitsuba, CameraLooksAlongZ)
     expect_near(moved.look_at - moved.position, {0, 0, 1});
 }
 
-/// Which side of the picture `fov` is of: a picture twice as wide as high.
+/// fov_axis selects the image side that `fov` measures; the image is twice as wide as high.
 TEST_F(Mitsuba, FieldsOfView)
 {
     const auto fov = [&](const std::string& said) { return sensor(wide_film + said).fov_y / degree; };
@@ -177,7 +177,7 @@ TEST_F(Mitsuba, FieldsOfView)
     EXPECT_NEAR(fov(""), of_50_mm, 1e-9) << "unless anything is said";
 }
 
-/// Where the camera looks at a point of its picture, in pixels, over its way along the view axis.
+/// Pixel coordinates to camera coordinates divided by the depth along the view axis.
 std::array<double, 2> seen_at(const SceneDescription& scene, const Camera& c, double x, double y)
 {
     const double width = *scene.hints.width, height = *scene.hints.height,
@@ -185,8 +185,8 @@ std::array<double, 2> seen_at(const SceneDescription& scene, const Camera& c, do
     return {(2 * (x / width + c.shift_x) - 1) * half * width / height, (1 - 2 * (y / height - c.shift_y)) * half};
 }
 
-/// A part of the film is a picture of its own that shows what was there, of every kind of camera.
-/// What keeps its angle where the picture gets another shape, and the shape that fov_y is for.
+/// A crop of the film shows that part of the full image for every kind of camera. The crop's aspect ratio determines
+/// which side keeps its angle, and the aspect ratio that fov_y refers to.
 TEST_F(Mitsuba, AxesOfFieldsOfView)
 {
     const auto camera = [&](const std::string& said) { return sensor(wide_film + said); };
@@ -222,7 +222,7 @@ TEST_F(Mitsuba, Crop)
             EXPECT_NEAR(a[1], b[1], 1e-12) << type;
         }
         if (type == std::string("orthographic")) continue;
-        // So many widths to the right, and heights down: of the film, whatever the crop.
+        // Offset as a fraction of the film's width to the right and height down, for any crop.
         const std::string offset = R"(<float name="principal_point_offset_x" value="0.25"/>
 <float name="principal_point_offset_y" value="0.1"/>)";
         for (const char* crop : {"", R"(<integer name="crop_width" value="10"/>)"}) {
@@ -240,7 +240,7 @@ TEST_F(Mitsuba, Crop)
               std::string::npos);
 }
 
-/// Those that measure another's picture stand around it.
+/// Wrapper integrators such as `moment` contain the actual integrator.
 TEST_F(Mitsuba, NestedIntegrators)
 {
     const SceneDescription scene = read(R"(<integrator type="moment"><integrator type="path">
@@ -256,7 +256,7 @@ TEST_F(Mitsuba, Settings)
 <sensor type="thinlens"><float name="aperture_radius" value="0.5"/><float name="focus_distance" value="3"/>
 <sampler type="independent"><integer name="sample_count" value="16"/></sampler><film type="hdrfilm"><integer name="width" value="20"/>
 <integer name="height" value="10"/><rfilter type="box"/></film></sensor>)");
-    // The eighth way leads to the light; seven surfaces scatter.
+    // The eighth path segment reaches the light after scattering at seven surfaces.
     EXPECT_EQ(scene.hints.max_depth, 7);
     EXPECT_EQ(scene.hints.samples, 16);
     EXPECT_EQ(scene.hints.width, 20);

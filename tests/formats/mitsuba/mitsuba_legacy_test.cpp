@@ -39,7 +39,7 @@ TEST_F(OldMitsuba, Names)
         0, 0);
 }
 
-/// `$photonCount` means the default of that name.
+/// A default named photonCount defines `$photonCount`.
 TEST_F(OldMitsuba, DefaultsKeepTheirNames)
 {
     const SceneDescription scene = read_old(R"(<default name="maxDepth" value="7"/>
@@ -54,7 +54,7 @@ TEST_F(OldMitsuba, OneNumberIsWhiteAndSrgbIsEncoded)
     };
     expect_color(radiance(R"(<spectrum name="radiance" value="12"/>)"), 12, 12, 12);
     expect_color(radiance(R"(<rgb name="radiance" value="0.5, 0.5, 1"/>)"), 0.5, 0.5, 1);
-    // (0.555 / 1.055)^2.4
+    // sRGB decoding: (0.555 / 1.055)^2.4.
     expect_color(radiance(R"(<srgb name="radiance" value="0.5, 0.5, 1"/>)"), 0.2140411, 0.2140411, 1);
 }
 
@@ -97,7 +97,7 @@ TEST_F(OldMitsuba, SkiesHaveYUp)
     EXPECT_NEAR(scene.lights.at(0).angle, 3 * 0.5358 * degree, 1e-12);
 }
 
-/// The sky's own axes are +x to the east and -z to the north, turned by `toWorld`.
+/// The sky's axes are +x east and -z north, rotated by `toWorld`.
 TEST_F(OldMitsuba, SunOfADate)
 {
     const auto sun = [&](const std::string& inside) {
@@ -107,7 +107,7 @@ TEST_F(OldMitsuba, SunOfADate)
     const std::string munich =
         R"(<float name="latitude" value="48.1"/><float name="longitude" value="11.6"/><float name="timezone" value="2"/>
 <integer name="year" value="2024"/><integer name="month" value="3"/><integer name="day" value="20"/><float name="hour" value="9"/>)";
-    // As Mitsuba 3.9.1 has it, to 0.2 degrees, in other axes.
+    // Values of Mitsuba 3.9.1 in different axes, to 0.2 degrees.
     expect_near(sun(munich), {0.908132, 0.280229, 0.311075}, 4e-3);
     expect_near(sun(munich + R"(<transform name="toWorld"><rotate y="1" angle="90"/></transform>)"),
                 {0.311075, 0.280229, -0.908132}, 4e-3);

@@ -1,4 +1,4 @@
-// Mitsuba's emitters.
+// Emitters of Mitsuba files.
 #include <fmt/format.h>
 #include <cmath>
 
@@ -8,7 +8,7 @@
 namespace fathom::test {
 namespace {
 
-// ---------------------------------------------------------------------------------------------------- light
+// ------------------------------------------------------------------------------------------------- emitters
 
 TEST_F(Mitsuba, Emitters)
 {
@@ -24,7 +24,7 @@ TEST_F(Mitsuba, Emitters)
     };
     expect_near(node_of(0).parent_from_node.point({0, 0, 0}), {1, 2, 3});
     expect_color(scene.lights.at(0).intensity, 1, 2, 3);
-    // Lights shine along -z here.
+    // Lights emit along -z of their node.
     expect_near(node_of(1).parent_from_node.vector({0, 0, -1}), {0, -1, 0});
     EXPECT_NEAR(scene.lights.at(1).outer_angle, 40 * degree, 1e-12);
     EXPECT_NEAR(scene.lights.at(1).inner_angle, 30 * degree, 1e-12);
@@ -32,11 +32,11 @@ TEST_F(Mitsuba, Emitters)
     expect_near(normalize(node_of(2).parent_from_node.vector({0, 0, -1})), {0, -1, 0});
     expect_color(scene.lights.at(2).intensity, 7, 7, 7);
     expect_color(material_of(scene).emission.value, 4, 5, 6);
-    // Without a bsdf it only shines.
+    // A shape without a BSDF only emits.
     expect_color(material_of(scene).base_color.value, 0, 0, 0);
 }
 
-/// Along the shape's normal, from all of it; the shape itself is there, and does not shine.
+/// Parallel light from the whole shape along its normal; the shape itself is visible but not emissive.
 TEST_F(Mitsuba, DirectionalArea)
 {
     const SceneDescription scene = read(
@@ -64,7 +64,7 @@ TEST_F(Mitsuba, DirectionalArea)
     EXPECT_TRUE(is_told("neither a rectangle nor a disk"));
 }
 
-/// A projector's picture is upright for who looks along +z with +y up, a spot's is turned by half a turn.
+/// A projector's image is upright when looking along +z with +y up; a spot light's texture is rotated by 180 degrees.
 TEST_F(Mitsuba, EmittersWithPictures)
 {
     write("p.png", "x");
@@ -97,7 +97,7 @@ TEST_F(Mitsuba, EmittersWithPictures)
     expect_near(s.vector({0, 0, -1}), {0, 0, 1});
     expect_near(s.vector({1, 0, 0}), {1, 0, 0});
     expect_near(s.vector({0, 1, 0}), {0, -1, 0});
-    // White, through the diagonal of 35 mm film.
+    // A white image over the diagonal of 35 mm film.
     const Light& plain = scene.lights.at(2);
     EXPECT_EQ(plain.picture.image, -1);
     expect_color(plain.intensity, std::numbers::pi, 2 * std::numbers::pi, 3 * std::numbers::pi, 1e-5);
@@ -114,7 +114,7 @@ TEST_F(Mitsuba, EmittersWithPictures)
               std::string::npos);
 }
 
-/// The picture's middle lies towards +z, what is right of it towards -x.
+/// The image's center is at +z, the part right of it towards -x.
 TEST_F(Mitsuba, EnvironmentMaps)
 {
     write("e.exr", "x");
@@ -127,7 +127,7 @@ TEST_F(Mitsuba, EnvironmentMaps)
     EXPECT_EQ(scene.environment.color.g, 2);
 }
 
-/// As Mitsuba 3.9.1 has it, to 0.2 degrees: +x is south there, +y west, +z up.
+/// Values of Mitsuba 3.9.1 to 0.2 degrees: +x is south, +y west, +z up.
 TEST_F(Mitsuba, SunOfADate)
 {
     const auto sun = [&](const std::string& inside) {
@@ -138,7 +138,7 @@ TEST_F(Mitsuba, SunOfADate)
     expect_near(sun(R"(<float name="hour" value="9"/>)"), {0.0956952, -0.614786, 0.782867}, 4e-3);
 }
 
-/// The sun's irradiance as Mitsuba's pictures of a plane have it, between the heights and turbidities of the table.
+/// The sun's irradiance measured in Mitsuba's images of a plane, between the elevations and turbidities of the table.
 TEST_F(Mitsuba, SunOfSunsky)
 {
     struct Case {
@@ -172,13 +172,13 @@ TEST_F(Mitsuba, SkyWithItsSun)
     expect_near(t.vector(scene.environment.to_sun), {0.6, 0.8, 0}, 1e-9);
     const Light& sun = scene.lights.at(0);
     EXPECT_NEAR(sun.angle, 3 * degree, 1e-12);
-    // Mitsuba 3.9.1, of turbidity 3 at this height, which lies between those of the table.
+    // Irradiance of Mitsuba 3.9.1 at turbidity 3 and this elevation, which lies between the table's entries.
     expect_color(sun.intensity, 2 * 1.4865, 2 * 1.2360, 2 * 0.9364, 0.02);
     for (const Node& node : scene.nodes)
         if (node.light == 0) expect_near(normalize(node.parent_from_node.vector({0, 0, -1})), {-0.6, -0.8, 0}, 1e-9);
 }
 
-/// As Mitsuba 3.9.1's `llvm_ad_rgb` gives them.
+/// Values of Mitsuba 3.9.1's `llvm_ad_rgb` variant.
 TEST(MitsubaSpectra, AsColours)
 {
     const std::vector<SpectrumPoint> points = {{400, 0.1}, {500, 0.5}, {600, 0.9}, {700, 0.3}};

@@ -1,4 +1,4 @@
-/// Media of Mitsuba's files: within shapes and around them.
+/// Media of Mitsuba files: inside shapes and around them.
 #include <cmath>
 
 #include <fmt/format.h>
@@ -8,7 +8,7 @@
 namespace fathom::test {
 namespace {
 
-/// Of the straight way both absorption and scattering take: exp(-sigma_t way) is left.
+/// Absorption and scattering both attenuate a straight ray: exp(-sigma_t * distance) remains.
 TEST_F(Mitsuba, Interiors)
 {
     const SceneDescription scene =
@@ -23,7 +23,7 @@ TEST_F(Mitsuba, Interiors)
     EXPECT_TRUE(m.transmission_scatter_bounces);
 }
 
-/// Where the boundary is none.
+/// Shapes with a null interface.
 TEST_F(Mitsuba, InteriorsBehindNull)
 {
     constexpr const char* medium =
@@ -46,7 +46,7 @@ constexpr const char* fog = R"(<medium type="homogeneous" id="fog"><float name="
 constexpr const char* camera_in_fog =
     R"(<sensor type="perspective"><transform name="to_world"><translate x="9"/></transform><ref name="medium" id="fog"/></sensor>)";
 
-/// What the camera is in is everywhere where nothing else is.
+/// The camera's medium fills all space that no other medium occupies.
 TEST_F(Mitsuba, MediumAroundTheCamera)
 {
     const SceneDescription scene =
@@ -56,7 +56,7 @@ TEST_F(Mitsuba, MediumAroundTheCamera)
     EXPECT_TRUE(warnings_.counts().empty());
     const Shape& around = scene.nodes.at(std::size_t(scene.roots.back())).shapes.at(0);
     const Sphere& ball = std::get<Sphere>(around.geometry);
-    // From -1 to 9, and from -1 to 1.
+    // Extents: from -1 to 9 along x, from -1 to 1 along y and z.
     EXPECT_NEAR(ball.center.x, 4, 1e-6);
     EXPECT_NEAR(ball.radius, std::sqrt(10 * 10 + 2 * 2 + 2 * 2), 1e-6);
     const Material& m = scene.materials.at(std::size_t(around.material));

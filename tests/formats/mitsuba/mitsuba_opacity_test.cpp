@@ -1,4 +1,4 @@
-// Mitsuba: opacity, blends and emission together, two-sided bsdfs, and pictures that stand for numbers.
+// Mitsuba opacity masks, blends, emission with opacity, two-sided BSDFs, and textures for numbers.
 #include <fmt/format.h>
 
 #include "mitsuba_fixture.h"
@@ -29,7 +29,7 @@ protected:
     const Material& part(const SceneDescription& scene, int index) { return scene.materials.at(std::size_t(index)); }
 };
 
-/// Mitsuba adds the whole radiance at each hit, and only what is scattered goes by opacity.
+/// Mitsuba adds the full emitted radiance at each hit; opacity scales only scattering.
 TEST_F(MitsubaOpacity, EmissionIsNotScaled)
 {
     const auto shown = [](const Material& m) {
@@ -40,7 +40,7 @@ TEST_F(MitsubaOpacity, EmissionIsNotScaled)
         EXPECT_NEAR(shown(m), 2, 1e-6) << opacity;
         EXPECT_FALSE(m.emission_two_sided);
     }
-    // Where nothing, or hardly anything, is there to be hit: a sheet that shines and lets all pass.
+    // Emission of a nearly or fully transparent surface: a thin emissive sheet that transmits all light.
     const Material nothing = material_of(plate(std::string(R"(<bsdf type="null"/>)") + lamp));
     EXPECT_EQ(nothing.kind, MaterialKind::glass);
     EXPECT_TRUE(nothing.thin);
@@ -76,7 +76,8 @@ TEST_F(MitsubaOpacity, MasksMultiply)
         0.3, 1e-6);
 }
 
-/// By hand: of 0.4 and 0.6 parts, whose opacities are 0.5 and 1, 0.8 are met, three quarters of which are the second.
+/// Weights 0.4 and 0.6 with opacities 0.5 and 1 give a total opacity of 0.8, of which the second BSDF has three
+/// quarters.
 TEST_F(MitsubaOpacity, BlendsOfMasks)
 {
     const std::string open = R"(<bsdf type="blendbsdf"><float name="weight" value="0.6"/>)";
@@ -96,7 +97,7 @@ TEST_F(MitsubaOpacity, BlendsOfMasks)
     EXPECT_TRUE(warnings_.empty());
 }
 
-/// Two plain bsdfs become one, unless only one of them reflects on its back.
+/// A blend of two plain BSDFs becomes one material unless only one of them reflects on its back.
 TEST_F(MitsubaOpacity, BlendsOfSides)
 {
     const auto blend = [&](const char* second) {
@@ -107,7 +108,7 @@ TEST_F(MitsubaOpacity, BlendsOfSides)
     EXPECT_EQ(blend(R"(<bsdf type="twosided"><bsdf type="diffuse"/></bsdf>)").kind, MaterialKind::mix);
 }
 
-/// Both parts of a mixture are bent, in copies: the bsdfs themselves may stand elsewhere, too.
+/// A bump map around a blend bends copies of both BSDFs, which other shapes may use without it.
 TEST_F(MitsubaOpacity, BumpsOfMixtures)
 {
     const std::string map = R"(<bsdf type="bumpmap"><texture type="checkerboard"/>)";
@@ -126,7 +127,7 @@ TEST_F(MitsubaOpacity, BumpsOfMixtures)
     EXPECT_TRUE(warnings_.empty());
 }
 
-/// As Mitsuba 3.9.1 has them: 8- and 16-bit pictures are decoded unless they are raw; of colors the luminance counts.
+/// Mitsuba 3.9.1 decodes 8- and 16-bit images unless `raw` is set; color textures of numbers give their luminance.
 TEST_F(MitsubaOpacity, PicturesForNumbers)
 {
     const auto input = [&](const std::string& bsdf, FloatInput Material::* member, ColorSpace space) {
@@ -164,18 +165,18 @@ TEST_F(MitsubaOpacity, PicturesForNumbers)
               space);
     }
     EXPECT_TRUE(warnings_.empty());
-    // A constant color is the mean of its three numbers instead.
+    // A constant color for a number gives the mean of its channels instead.
     EXPECT_NEAR(bsdf(R"(<bsdf type="principled"><rgb name="roughness" value="0.2 0.5 0.8"/></bsdf>)").roughness.value,
                 0.5, 1e-6);
 }
 
-/// Normals that are not raw are decoded as well, which is seldom meant.
+/// Mitsuba decodes normal maps that are not `raw`, which is rarely intended.
 TEST_F(MitsubaOpacity, NormalMapsAreDecoded)
 {
     const auto space = [&](const std::string& more) {
         const SceneDescription scene =
             plate("<bsdf type=\"normalmap\">" + picture("normalmap", more) + red + "</bsdf>");
-        // Whatever the map's coordinates, its normals refer to the surface's own.
+        // Normals of a map are relative to the surface's own tangents, whatever the map's coordinates are.
         EXPECT_FALSE(material_of(scene).map_tangents);
         return scene.textures.at(std::size_t(material_of(scene).normal_texture)).color_space;
     };
@@ -185,7 +186,7 @@ TEST_F(MitsubaOpacity, NormalMapsAreDecoded)
     EXPECT_TRUE(is_told("most files mean 'raw' to be true"));
 }
 
-/// Within 'twosided' normals are mirrored behind a surface, around it they are turned round.
+/// Bump maps inside `twosided` are mirrored on the back; around it they are flipped.
 TEST_F(MitsubaOpacity, BumpsBehindSurfaces)
 {
     const std::string map = R"(<bsdf type="bumpmap"><texture type="checkerboard"/><float name="scale" value="0.25"/>)",
@@ -207,8 +208,7 @@ TEST_F(MitsubaOpacity, BumpsBehindSurfaces)
     EXPECT_EQ(part(masked_one, material_of(masked_one).material_a).alpha_mode, AlphaMode::opaque);
 }
 
-/// Mitsuba's frame of a normal map is made of the direction of u and the normal, though rectangles show pictures
-/// upside down.
+/// Mitsuba's frame of a normal map is built from dp/du and the normal, although its rectangles show images upside down.
 TEST_F(MitsubaOpacity, FramesOfNormalMaps)
 {
     const std::string map = "<bsdf type=\"normalmap\">" + picture("normalmap", raw) + red + "</bsdf>";
@@ -223,7 +223,7 @@ TEST_F(MitsubaOpacity, FramesOfNormalMaps)
     const std::string two = "<bsdf type=\"twosided\">" + map + red + "</bsdf>";
     EXPECT_FALSE(plate(two).meshes.at(0).tangents.empty());
     EXPECT_TRUE(plate("<bsdf type=\"diffuse\">" + picture("reflectance") + "</bsdf>").meshes.at(0).tangents.empty());
-    // Of a sphere, by hand: at the equator u goes round z, from +x to +y.
+    // On a sphere's equator, u runs around z from +x to +y.
     const Mesh ball = read("<shape type=\"sphere\">" + map + "</shape>").meshes.at(0);
     for (std::size_t i = 0; i < ball.positions.size(); ++i)
         if (std::abs(ball.positions[i].z) < 1e-3f) {
@@ -232,7 +232,7 @@ TEST_F(MitsubaOpacity, FramesOfNormalMaps)
         }
 }
 
-/// What boundaries reflect and let pass is multiplied by colors, which may be pictures.
+/// specular_reflectance and specular_transmittance scale the boundary; they may be textures.
 TEST_F(MitsubaOpacity, SpecularColors)
 {
     const std::string colors =
@@ -260,7 +260,7 @@ TEST_F(MitsubaOpacity, SpecularColors)
     EXPECT_TRUE(warnings_.empty());
 }
 
-/// The camera looks through what shines, wherever the integrator stands, and sees nothing of the environment.
+/// hide_emitters hides area lights and the environment from the camera, in any nested integrator.
 TEST_F(MitsubaOpacity, HiddenEmitters)
 {
     const std::string shapes = std::string("<emitter type=\"constant\"/><shape type=\"sphere\">") + lamp +

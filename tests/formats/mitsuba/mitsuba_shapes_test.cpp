@@ -1,4 +1,4 @@
-// Mitsuba's shapes.
+// Shapes of Mitsuba files.
 #include <fmt/format.h>
 #include <zlib.h>
 #include <array>
@@ -22,7 +22,7 @@ TEST_F(Mitsuba, Rectangles)
     };
     expect_near(normal(""), {0, 0, 1});
     expect_near(normal(R"(<boolean name="flip_normals" value="true"/>)"), {0, 0, -1});
-    // With a picture: a mesh, whose first row of it is at y = -1.
+    // A textured rectangle becomes a mesh with the image's first row at y = -1.
     write("t.png", "x");
     const SceneDescription scene =
         read(R"(<shape type="rectangle"><bsdf type="diffuse"><texture type="bitmap" name="reflectance">
@@ -54,17 +54,17 @@ TEST_F(Mitsuba, ModelsTurnPicturesAsMitsubaDoes)
     EXPECT_EQ(v("ply", R"(<boolean name="flip_tex_coords" value="true"/>)"), 0.75f);
 }
 
-/// Meshes without normals are smooth unless they are said not to be.
+/// Meshes without normals are smooth unless face_normals is set.
 TEST_F(Mitsuba, NormalsOfMeshes)
 {
-    // A roof of two triangles that share an edge along y, of slopes 1 and 0.
+    // A roof of two triangles with slopes 1 and 0 that share an edge along y.
     write("a.obj", "v 0 0 0\nv 0 1 0\nv -1 0 1\nv 1 0 0\nf 1 2 3\nf 1 4 2\n");
     const auto mesh = [&](const std::string& said) {
         return read(R"(<shape type="obj"><string name="filename" value="a.obj"/>)" + said + "</shape>").meshes.at(0);
     };
     const Mesh smooth = mesh("");
     ASSERT_EQ(smooth.normals.size(), smooth.positions.size());
-    // At the first vertex both faces have a right angle.
+    // Both faces have a right angle at the first vertex, so their normals have equal weights.
     const double n = std::sqrt(0.5), x = n, z = n + 1, l = std::hypot(x, z);
     EXPECT_NEAR(smooth.normals[0].x, x / l, 1e-6);
     EXPECT_NEAR(smooth.normals[0].z, z / l, 1e-6);
@@ -74,8 +74,8 @@ TEST_F(Mitsuba, NormalsOfMeshes)
     EXPECT_EQ(flipped.indices[1], smooth.indices[2]);
 }
 
-/// Which side shines and reflects, as Mitsuba 3.9.1 shows it: of meshes with normals of their own that of the normals,
-/// of others, in the world, the one from which corners go round to the left; mirrored spheres are inside out.
+/// Sides that emit and reflect, as in Mitsuba 3.9.1: meshes with normals use their normals; other meshes use the
+/// winding in world space (counterclockwise seen from the front); mirrored spheres are inside out.
 TEST_F(Mitsuba, FrontsOfMirroredShapes)
 {
     const std::string corners = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
@@ -88,7 +88,7 @@ TEST_F(Mitsuba, FrontsOfMirroredShapes)
     write("plain.ply", ply_head + face + "0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n");
     write("up.ply", ply_head + "property float nx\nproperty float ny\nproperty float nz\n" + face +
                         "0 0 0 0 0 1\n1 0 0 0 0 1\n0 1 0 0 0 1\n3 0 1 2\n");
-    // Here a front stays that of the shape's own space, however its node mirrors.
+    // Fathom keeps the front of object space under mirroring nodes.
     const auto front = [&](const std::string& file, const std::string& said) {
         const Mesh mesh = read("<shape type=\"" + file.substr(file.size() - 3) +
                                R"("><string name="filename" value=")" + file + "\"/>" + said + "</shape>")
@@ -119,7 +119,7 @@ TEST_F(Mitsuba, FrontsOfMirroredShapes)
     }
     EXPECT_EQ(front("down.obj", ""), -1);
     EXPECT_EQ(front("down.obj", faceted), 1);
-    // The same file twice, once mirrored.
+    // One file used twice, the second time mirrored.
     const std::string plain = R"(<shape type="ply"><string name="filename" value="plain.ply"/>)";
     EXPECT_EQ(read(plain + "</shape>" + plain + mirrored + "</shape>").meshes.size(), 2u);
     const auto radius = [&](const std::string& said) {
@@ -131,7 +131,7 @@ TEST_F(Mitsuba, FrontsOfMirroredShapes)
     EXPECT_EQ(radius(mirrored + flipped), 1);
 }
 
-/// Attributes of vertices and of faces by their names, as numbers and as colours.
+/// Vertex and face attributes by name, as numbers and as colors.
 TEST_F(Mitsuba, AttributesOfMeshes)
 {
     // Two triangles that share an edge.
@@ -161,7 +161,7 @@ type="mesh_attribute" name="reflectance"><string name="name" value=")" +
         expect(mesh("vertex_heat"), i, {0.5f, 0.5f, 0.5f});
         expect(mesh("vertex_color"), i, {1, 2, 3});
     }
-    // Normals are those of the shared edge.
+    // Vertices of the shared edge keep their common normals.
     const auto normal_x = [&](std::size_t corner) { return weight.normals.at(weight.indices[corner]).x; };
     EXPECT_EQ(normal_x(0), normal_x(3));
     EXPECT_NE(normal_x(0), normal_x(1));
@@ -199,7 +199,7 @@ TEST_F(Mitsuba, Cylinders)
     EXPECT_GT(t.determinant(), 0);
 }
 
-/// Places of u = 0 and u = 1/4 as Mitsuba 3.9.1 tells them, for axes in all directions.
+/// Positions of u = 0 and u = 1/4 in Mitsuba 3.9.1 for axes in all directions.
 TEST_F(Mitsuba, CylindersBeginWhereMitsubasDo)
 {
     const struct {
@@ -236,8 +236,7 @@ TEST_F(Mitsuba, Curves)
     EXPECT_EQ(scene.curves.at(0).basis, CurveBasis::bspline);
 }
 
-// ---------------------------------------------------------------------------------------------------- serialized
-// meshes
+// --------------------------------------------------------------------------------------------- serialized meshes
 
 template <class T>
 std::string raw(const std::vector<T>& values)
@@ -255,7 +254,7 @@ std::string deflated(const std::string& bytes)
     return out;
 }
 
-/// Of one triangle each: floats with normals and uv; doubles.
+/// Two meshes of one triangle: floats with normals and texture coordinates, and doubles.
 std::string two_meshes(std::uint32_t last_index = 2)
 {
     const std::string sign = {0x1c, 0x04, 4, 0};
@@ -287,7 +286,7 @@ TEST_F(Mitsuba, SerializedMeshes)
     EXPECT_EQ(scene.meshes[1].indices, (std::vector<std::uint32_t>{0, 1, 2}));
 }
 
-/// A volume file of the distances of a function, by its numbers along x, y, z.
+/// Volume file with the values of a signed distance function on a grid of the given size along x, y, z.
 template <class Distance>
 std::string volume_of(std::array<std::int32_t, 3> size, const Distance& distance)
 {
@@ -302,7 +301,7 @@ std::string volume_of(std::array<std::int32_t, 3> size, const Distance& distance
     return bytes;
 }
 
-/// Numbers along each axis of their own; the whole lies in the unit cube.
+/// A grid with a different size along each axis; it fills the unit cube.
 TEST_F(Mitsuba, GridsOfDistances)
 {
     const Vec3d center{0.5, 0.45, 0.55};
@@ -319,11 +318,11 @@ TEST_F(Mitsuba, GridsOfDistances)
     };
     for (std::size_t i = 0; i < smooth.positions.size(); ++i) {
         const Vec3f n = smooth.normals[i];
-        // What is linear lies below what is curved: by at most an eighth of a cell's square over the two radii.
+        // A linear patch lies below the curved surface by at most h^2 / 8 / radius along each axis.
         EXPECT_NEAR(length(at(i)), 0.3, 2 / 0.3 / 8 / (19 * 19));
         EXPECT_GT(dot(normalize(at(i)), {n.x, n.y, n.z}), 0.998);
     }
-    // Closed and turned outwards: what it holds is the ball's volume.
+    // The mesh is closed and faces outwards: its volume is that of the ball.
     double volume = 0;
     for (std::size_t i = 0; i < smooth.indices.size(); i += 3)
         volume += dot(at(smooth.indices[i]), cross(at(smooth.indices[i + 1]), at(smooth.indices[i + 2]))) / 6;
@@ -332,7 +331,7 @@ TEST_F(Mitsuba, GridsOfDistances)
     EXPECT_TRUE(warnings_.empty());
 }
 
-/// Between numbers it is what is linear along each axis: of one cell with four corners inside, a saddle.
+/// Inside a cell the distance is trilinear: one cell with four corners inside has a saddle.
 TEST_F(Mitsuba, CellsOfDistancesAreTrilinear)
 {
     const auto saddle = [](Vec3d p) { return (p.x - 0.5) * (p.y - 0.5) + 0.25 * (p.z - 0.4); };
@@ -377,8 +376,7 @@ TEST_F(Mitsuba, DamagedSerializedMeshes)
     std::string file = two_meshes();
     write("m.serialized", file.substr(0, 20));
     EXPECT_NE(error(asked).find("list of meshes is damaged"), std::string::npos) << error(asked);
-    // A place so large that the sum of it and the length of a header is small: only the sanitizers see what is read
-    // there.
+    // The offset is so large that adding the header's length wraps around: only sanitizers detect the read.
     write("m.serialized", file.substr(0, file.size() - 12) + raw(std::vector<std::uint64_t>{~std::uint64_t(0)}) +
                               file.substr(file.size() - 4));
     EXPECT_NE(error(asked).find("list of meshes is damaged"), std::string::npos) << error(asked);

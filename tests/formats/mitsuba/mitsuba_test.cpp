@@ -1,4 +1,4 @@
-// Mitsuba's bsdfs, media and textures, and whole files by others.
+// BSDFs, media and textures of Mitsuba files, and complete third-party scenes.
 #include <fmt/format.h>
 #include <cmath>
 
@@ -8,7 +8,7 @@
 namespace fathom::test {
 namespace {
 
-// ---------------------------------------------------------------------------------------------------- surfaces
+// ------------------------------------------------------------------------------------------------------- BSDFs
 
 TEST_F(Mitsuba, TexturesAsAlpha)
 {
@@ -21,7 +21,7 @@ TEST_F(Mitsuba, TexturesAsAlpha)
     EXPECT_TRUE(warnings_.empty());
 }
 
-/// Along u and along v, each by itself; of glass and plastic one is taken.
+/// Separate alpha_u and alpha_v; glass and plastic use one of them.
 TEST_F(Mitsuba, TexturesAsTwoAlphas)
 {
     const auto rough = [&](const char* type) {
@@ -40,7 +40,7 @@ TEST_F(Mitsuba, TexturesAsTwoAlphas)
     EXPECT_TRUE(is_told("glass is as rough along u"));
 }
 
-/// What comes from below as Mitsuba 3.9.1 has it, by what its roughplastic shows of bodies of two colours.
+/// Internal diffuse reflectance, derived from Mitsuba 3.9.1's images of roughplastic with two diffuse colors.
 TEST_F(Mitsuba, InnerReflectanceOfRoughPlastic)
 {
     const struct {
@@ -78,13 +78,13 @@ TEST_F(Mitsuba, Conductors)
     expect_color(given.conductor_k, 2, 2, 2);
     EXPECT_GT(gold.conductor_k.r, 1);
     expect_color(mirror.conductor_k, 0, 0, 0);
-    // Left of all that it reflects, at every angle.
+    // specular_reflectance scales the reflected light at every angle.
     EXPECT_EQ(given.coat_ior, 1);
     EXPECT_EQ(given.coat.value, 1);
     expect_color(given.coat_color.value, 0.2, 0.4, 0.6);
 }
 
-/// They may be above 1, also as spectra.
+/// Conductor indices may exceed 1, also as spectra.
 TEST_F(Mitsuba, IndicesOfConductors)
 {
     const Material m = bsdf(R"(<bsdf type="conductor"><spectrum name="eta" value="0.789"/>
@@ -111,7 +111,7 @@ TEST_F(Mitsuba, AnisotropicConductors)
     check(rough("0.04", "0.36"), std::numbers::pi / 2);
 }
 
-/// Beckmann's unless another is named.
+/// The default distribution is Beckmann.
 TEST_F(Mitsuba, DistributionsOfFacets)
 {
     for (const char* type : {"roughconductor", "roughdielectric", "roughplastic"}) {
@@ -183,7 +183,7 @@ TEST_F(Mitsuba, Principled)
     EXPECT_TRUE(sheet.thin);
     EXPECT_EQ(sheet.diffuse_transmission.value, 0.4f);
     EXPECT_EQ(sheet.ior, 1.3f);
-    // Numbers of textures may be above 1, as diff_trans goes to 2.
+    // Texture values may exceed 1, because diff_trans goes up to 2.
     const SceneDescription scene = read(
         R"(<shape type="sphere"><bsdf type="principledthin"><texture name="diff_trans" type="checkerboard">
 <float name="color0" value="1.5"/><float name="color1" value="0.5"/></texture></bsdf></shape>)");
@@ -242,7 +242,7 @@ TEST_F(Mitsuba, Blends)
     EXPECT_EQ(m.factor.value, 0.25f);
     EXPECT_EQ(scene.materials.at(std::size_t(m.material_a)).kind, MaterialKind::diffuse);
     EXPECT_EQ(scene.materials.at(std::size_t(m.material_b)).metallic.value, 1);
-    // Nothing and something: how much of it lets light pass.
+    // A blend with `null`: the weight of the null BSDF is the transmitted share.
     const auto alpha = [&](const char* first, const char* second) {
         return bsdf(
                    fmt::format(
@@ -254,7 +254,7 @@ TEST_F(Mitsuba, Blends)
     EXPECT_EQ(alpha("diffuse", "null"), 0.75f);
 }
 
-/// Without 'twosided' a bsdf that only reflects is black on its back.
+/// Without `twosided` a reflective BSDF is black on its back.
 TEST_F(Mitsuba, Sides)
 {
     EXPECT_TRUE(bsdf(R"(<bsdf type="diffuse"/>)").one_sided);
@@ -273,12 +273,12 @@ TEST_F(Mitsuba, Sides)
     for (const int part : {of_shape(1).material_a, of_shape(1).material_b})
         EXPECT_FALSE(scene.materials.at(std::size_t(part)).one_sided);
     expect_color(scene.materials.at(std::size_t(of_shape(1).material_b)).base_color.value, 1, 0, 0);
-    // A lamp of no bsdf reflects nothing.
+    // An emitter without a BSDF reflects nothing.
     expect_color(material_of(read(R"(<shape type="sphere"><emitter type="area"/></shape>)")).base_color.value, 0, 0, 0);
 }
 
-/// Texture coordinates of shapes that are meshes where they have pictures, as Mitsuba tells them of these places.
-/// By Mitsuba's poles, along z, go also facets that are drawn out.
+/// Texture coordinates of shapes that become meshes because of their textures, as in Mitsuba. Its poles along z also
+/// orient anisotropic facets.
 TEST_F(Mitsuba, AnisotropicSpheres)
 {
     const auto meshes = [&](const char* u, const char* v) {
@@ -314,7 +314,7 @@ TEST_F(Mitsuba, PicturesOnShapes)
     expect_uv(uv_at("sphere", {0.3f, 0.4f, 0.86602545f}), 0.14758f, 0.16667f);
     expect_uv(uv_at("sphere", {-0.2f, -0.5f, 0.8426151f}), 0.68944f, 0.18101f);
     expect_uv(uv_at("disk", {0, -1, 0}), 1, 0.75f);
-    expect_uv(uv_at("cube", {1, -1, -1}), 0, 1);  // of the face y = -1, the first
+    expect_uv(uv_at("cube", {1, -1, -1}), 0, 1);  // on the first face, y = -1
     expect_uv(uv_at("rectangle", {1, -1, 0}), 1, 0);
 }
 
@@ -343,7 +343,7 @@ TEST_F(Mitsuba, BumpsAreHeights)
     EXPECT_TRUE(warnings_.counts().empty());
 }
 
-// ---------------------------------------------------------------------------------------------------- files by others
+// -------------------------------------------------------------------------------------------------- third-party files
 
 TEST(SharedMitsuba, AllScenesLoad)
 {

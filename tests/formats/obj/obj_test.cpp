@@ -47,7 +47,7 @@ TEST_F(Obj, PolygonsAndIndices)
     EXPECT_TRUE(warnings_.empty());
 }
 
-/// Counted back from the last one so far, of each kind its own, whatever comes later.
+/// Negative indices count back from the last element of each kind so far.
 TEST_F(Obj, IndicesFromTheEnd)
 {
     const SceneDescription scene =
@@ -62,14 +62,14 @@ TEST_F(Obj, IndicesFromTheEnd)
     EXPECT_EQ(mesh.positions[at(2)].y, 1);
     EXPECT_EQ(mesh.uvs[0][at(0)].x, 0);
     EXPECT_EQ(mesh.uvs[0][at(1)].x, 0.5f);
-    EXPECT_EQ(mesh.uvs[0][at(2)].y, 0);  // 1 from below
+    EXPECT_EQ(mesh.uvs[0][at(2)].y, 0);  // v = 1 measured from below
     EXPECT_EQ(mesh.normals[at(0)].z, 1);
     EXPECT_EQ(mesh.normals[at(2)].x, 1);
 }
 
 TEST_F(Obj, ConcavePolygons)
 {
-    // An arrow head whose fan from the first corner would leave it; and the letter C.
+    // An arrow head for which a fan from the first corner would be wrong, and the letter C.
     const SceneDescription arrow = load("a.obj", "v 0 0 0\nv 2 -1 0\nv 0 3 0\nv -2 -1 0\nf 2 3 4 1\nf 1 2 3 4\n");
     EXPECT_NEAR(area(arrow.meshes.at(0)), 2 * 6, 1e-6);
     const SceneDescription c = load("c.obj",
@@ -77,7 +77,7 @@ TEST_F(Obj, ConcavePolygons)
                                     "f 1 2 3 4 5 6 7 8\n");
     EXPECT_NEAR(area(c.meshes.at(0)), 7, 1e-6);
     EXPECT_EQ(c.meshes[0].indices.size(), 18u);
-    // No triangle of it covers the gap of the C.
+    // No triangle covers the gap of the C.
     for (std::size_t i = 0; i < 18; i += 3) {
         double sum = 0;
         Mesh one = c.meshes[0];
@@ -93,7 +93,7 @@ TEST_F(Obj, NormalsAndTextureCoordinates)
         load("a.obj", std::string(square) +
                           "vt 0.25 0.75\nvt 1 0\nvn 0 0 1\nvn 0 0 -1\n"
                           "f 1/1/1 2/2/1 3/1/1\nf 1/1/2 3/1/2 4/1/2\nf 1//1 2//1 3//1\nf 1/1 2/2 3/2\n");
-    // Faces without normals are flat and apart.
+    // Faces without normals are flat and don't share vertices.
     ASSERT_EQ(scene.meshes.size(), 2u);
     const Mesh& flat = scene.meshes[0].normals.empty() ? scene.meshes[0] : scene.meshes[1];
     const Mesh& smooth = scene.meshes[0].normals.empty() ? scene.meshes[1] : scene.meshes[0];
@@ -101,7 +101,7 @@ TEST_F(Obj, NormalsAndTextureCoordinates)
     EXPECT_EQ(smooth.normals.size(), smooth.positions.size());
     EXPECT_EQ(smooth.positions.size(), 9u);
     EXPECT_FLOAT_EQ(smooth.uvs[0][0].x, 0.25f);
-    EXPECT_FLOAT_EQ(smooth.uvs[0][0].y, 0.25f);  // v grows downwards here
+    EXPECT_FLOAT_EQ(smooth.uvs[0][0].y, 0.25f);  // v grows downwards in Fathom
     EXPECT_EQ(flat.positions.size(), 3u);
 }
 
@@ -117,7 +117,7 @@ TEST_F(Obj, LinesThatGoOnAndOtherHabits)
     EXPECT_EQ(warnings_with("not understood"), 1u);
 }
 
-/// Encoded as sRGB, as Blender, Godot and MeshLab have them: 0.5 is 0.2140 by the standard's formula.
+/// Vertex colors are sRGB, as in Blender, Godot and MeshLab: 0.5 decodes to 0.2140.
 TEST_F(Obj, VertexColours)
 {
     const SceneDescription scene = load("a.obj", "v 0 0 0 1 0 0.5\nv 1 0 0 0 1 0.02\nv 0 1 0\nf 1 2 3\n");
@@ -131,7 +131,7 @@ TEST_F(Obj, VertexColours)
     EXPECT_TRUE(scene.materials.at(scene.nodes.at(0).shapes.at(0).material).use_vertex_color);
 }
 
-/// Some programs write them as bytes: a file has one range, which its largest number tells, wherever it stands.
+/// Some programs write colors from 0 to 255: the largest value in the file determines the range for the whole file.
 TEST_F(Obj, VertexColoursOfBytes)
 {
     const SceneDescription scene =
@@ -143,13 +143,13 @@ TEST_F(Obj, VertexColoursOfBytes)
     EXPECT_NEAR(colors[1].y, 0.03310477, 1e-6);
     EXPECT_EQ(colors[2].x, 1);
     EXPECT_EQ(colors[3].x, 1) << "has no color";
-    // What rounding takes above 1 is no byte.
+    // Values slightly above 1 from rounding don't switch to the byte range.
     const SceneDescription rounded = load("b.obj", "v 0 0 0 1.0001 0 0\nv 1 0 0 0.5 0 0\nv 0 1 0 0 0 -1e-9\nf 1 2 3\n");
     EXPECT_NEAR(rounded.meshes.at(0).colors.at(1).x, 0.21404114, 1e-6);
     EXPECT_EQ(rounded.meshes[0].colors[2].z, 0);
 }
 
-/// `d` counts, wherever it stands; programs that write both mean the same by them or nothing.
+/// `d` takes precedence over `Tr` in any order; programs that write both give them the same meaning or none.
 TEST_F(Obj, OpacityAndTransparency)
 {
     const auto alpha = [&](const std::string& lines) {
@@ -288,7 +288,7 @@ disp heights.png
     EXPECT_EQ(map_of(layered.coat.texture), "coat.png");
     EXPECT_EQ(map_of(layered.coat_roughness.texture), "coat.png");
     EXPECT_EQ(map_of(layered.normal_texture), "bumps.png");
-    // Of its own roughness nothing is said: that of the older keys stays.
+    // A coat without its own roughness keeps the base's roughness from the older keys.
     EXPECT_EQ(material("coated").kind, MaterialKind::principled);
     EXPECT_EQ(material("coated").coat.value, 1);
     EXPECT_EQ(material("plain").kind, MaterialKind::diffuse);
@@ -297,7 +297,7 @@ disp heights.png
     EXPECT_EQ(textured.base_color.value, (Color{1, 1, 1}));
     EXPECT_EQ(scene.images.at(wood.image).path, folder_ / "dir/wood.png");
     EXPECT_EQ(wood.wrap_u, Wrap::clamp);
-    // (u, v) of the file, v upwards, is looked up at (2u + 0.5, 4v + 0.25): the same point downwards.
+    // The file looks up (u, v) at (2u + 0.5, 4v + 0.25) with v upwards; this is the same point with v downwards.
     const float u = 0.3f, v = 0.1f;
     EXPECT_FLOAT_EQ(wood.uv_offset.x + wood.uv_scale.x * u, 2 * u + 0.5f);
     EXPECT_FLOAT_EQ(wood.uv_offset.y + wood.uv_scale.y * (1 - v), 1 - (4 * v + 0.25f));
@@ -308,7 +308,7 @@ disp heights.png
     EXPECT_EQ(bumps.height_scale, 0.01f);
     EXPECT_EQ(bumps.color_space, ColorSpace::linear);
     EXPECT_EQ(material("bumpy").normal_scale, 1);
-    // Heights are bm * (base + gain * picture).
+    // Heights are bm * (base + gain * texture).
     const Material bumpy = material("bumpy"), raised = material("raised");
     EXPECT_EQ(bumpy.displacement.value, 0.25f);
     EXPECT_EQ(bumpy.displacement_midlevel, 0.5f);
@@ -338,7 +338,7 @@ TEST_F(Obj, ANormalThatIsNotThereCostsOnlyItself)
 
 TEST_F(Obj, Points)
 {
-    // Without faces all vertices are meant: 100 in a square of 9 by 9 whose diagonal is 12.7.
+    // Without faces or points all vertices become points: 100 in a square of 9 by 9 with diagonal 12.7.
     std::string text;
     for (int i = 0; i < 100; ++i) text += fmt::format("v {} {} 5\n", i % 10, i / 10);
     const SceneDescription all = load("a.obj", text);
@@ -347,7 +347,7 @@ TEST_F(Obj, Points)
     for (float r : all.points[0].radii) EXPECT_FLOAT_EQ(r, float(0.5 * std::sqrt(162) / 10));
     EXPECT_EQ(all.roots, (std::vector<int>{0}));
     EXPECT_TRUE(std::holds_alternative<PointsInstance>(all.nodes.at(0).shapes.at(0).geometry));
-    // With `p` those that it names, beside the faces.
+    // With `p` lines only the named vertices become points, in addition to the faces.
     const SceneDescription some = load("b.obj", std::string(square) + "v 7 8 9\np 5 1 # these\np -1\nf 1 2 3\n");
     EXPECT_EQ(some.meshes.size(), 1u);
     ASSERT_EQ(some.points.at(0).centers.size(), 3u);

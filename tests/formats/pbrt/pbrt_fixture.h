@@ -1,5 +1,5 @@
 #pragma once
-/// What the tests of pbrt's files share.
+/// Fixture of the pbrt import tests.
 #include <numbers>
 #include <stdexcept>
 #include <string>
@@ -12,7 +12,7 @@ inline constexpr double degree = std::numbers::pi / 180;
 
 class Pbrt : public ImportTest {
 protected:
-    /// What stands behind WorldBegin.
+    /// A scene with this text after WorldBegin.
     SceneDescription world(const std::string& inside) { return load("a.pbrt", "WorldBegin\n" + inside); }
     std::string error(const std::string& inside) { return error_of("a.pbrt", "WorldBegin\n" + inside); }
     bool is_told(const std::string& words) const

@@ -1,4 +1,4 @@
-// pbrt's files: the language, cameras, films and integrators.
+// pbrt files: the language, cameras, films and integrators.
 #include <fmt/format.h>
 #include <zlib.h>
 #include <cmath>
@@ -8,7 +8,7 @@
 namespace fathom::test {
 namespace {
 
-// ---------------------------------------------------------------------------------------------------- the language
+// -------------------------------------------------------------------------------------------------------- language
 
 TEST_F(Pbrt, TransformsAreAppliedOneAfterTheOther)
 {
@@ -134,16 +134,16 @@ TEST_F(Pbrt, PathsOutOfTheFolderAreRefused)
     EXPECT_EQ(error_of(path), "loaded");
 }
 
-// ---------------------------------------------------------------------------------------------------- what is seen
+// ---------------------------------------------------------------------------------- cameras, films and integrators
 
 TEST_F(Pbrt, CamerasAreLeftHanded)
 {
     const std::string text = "LookAt 0 0 -5  0 0 0  0 1 0 Camera \"perspective\" \"float fov\" 40 WorldBegin";
     const Camera c = camera(text);
     expect_near(c.position, {0, 0, -5});
-    // The shorter side is the vertical one.
+    // fov applies to the shorter side, which is vertical here.
     EXPECT_NEAR(c.fov_y, 40 * degree, 1e-9);
-    // The whole world is mirrored, as +x is to the right of a camera that looks along +z.
+    // The whole world is mirrored, because +x is to the right of a pbrt camera that looks along +z.
     const SceneDescription scene = load("a.pbrt", text);
     EXPECT_LT(scene.nodes.at(std::size_t(scene.roots.at(0))).parent_from_node.determinant(), 0);
     const SceneDescription other = load("a.pbrt", "Scale -1 1 1 " + text);
@@ -158,7 +158,7 @@ TEST_F(Pbrt, CamerasHaveLensesAndWindows)
     EXPECT_EQ(lens.aperture, 0.5);
     EXPECT_EQ(lens.focus_distance, 3);
     EXPECT_EQ(lens.shutter_close, 2);
-    // The camera's space is scaled against the world's: lengths of the lens are in its own.
+    // The camera's space is scaled relative to the world; lens lengths are in camera space.
     const Camera small = camera(R"(Scale 4 4 4 Camera "perspective" "float lensradius" 0.25 "float focaldistance" 3)");
     EXPECT_NEAR(small.aperture, 0.5 / 4, 1e-9);
     EXPECT_NEAR(small.focus_distance, 3.0 / 4, 1e-9);
@@ -173,14 +173,14 @@ TEST_F(Pbrt, CamerasHaveLensesAndWindows)
     EXPECT_EQ(camera("Camera \"spherical\"").kind, CameraKind::equal_area);
     const Camera around = camera(R"(Camera "spherical" "string mapping" "equirectangular")");
     EXPECT_EQ(around.kind, CameraKind::spherical);
-    EXPECT_LT(around.look_at.x, -0.5);  // in the picture's middle is pbrt's -x
-    // What it shows is as in a mirror.
+    EXPECT_LT(around.look_at.x, -0.5);  // the image's center looks along pbrt's -x
+    // The image of a spherical camera is mirrored.
     EXPECT_EQ(load("a.pbrt", "Camera \"spherical\" WorldBegin Shape \"sphere\"").roots.size(), 1u + 1u);
     camera("Camera \"realistic\" \"string lensfile\" \"a.dat\"");
     EXPECT_TRUE(is_told("the lens is taken as a thin one"));
 }
 
-/// The upper right quarter of a film of 400 x 200, which shows -2 to 2 and -1 to 1.
+/// Upper right quarter of a 400 x 200 film that shows -2 to 2 and -1 to 1.
 TEST_F(Pbrt, CropsAreThePicture)
 {
     for (const char* crop : {"\"float cropwindow\" [ 0.5 1 0 0.5 ]", "\"integer pixelbounds\" [ 200 400 -7 100 ]"}) {
@@ -228,7 +228,7 @@ Film "rgb" "float whitebalance" 3200 "float maxcomponentvalue" 10 "float iso" 80
     EXPECT_EQ(filter("\"gaussian\""), "gaussian 0.00");
     EXPECT_EQ(filter("\"gaussian\" \"float sigma\" 0.75"), "gaussian 3.00");
     EXPECT_EQ(filter("\"box\" \"float xradius\" 1.5 \"float yradius\" 1.5"), "box 1.50");
-    // Of what the film records, which is four times the radiance.
+    // The clamp limits what the film records, which is four times the radiance.
     EXPECT_TRUE(is_told("--clamp-indirect 2.5"));
     EXPECT_EQ(load("a.pbrt", "Film \"rgb\" \"float whitebalance\" 500").hints.white_balance, 1000);
     EXPECT_TRUE(is_told("'whitebalance' is taken as 1000 K"));

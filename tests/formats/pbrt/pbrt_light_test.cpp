@@ -1,4 +1,4 @@
-// pbrt's lights.
+// Lights of pbrt files.
 #include <fmt/format.h>
 #include <cmath>
 
@@ -7,7 +7,7 @@
 namespace fathom::test {
 namespace {
 
-// ---------------------------------------------------------------------------------------------------- light
+// --------------------------------------------------------------------------------------------------- lights
 
 TEST_F(Pbrt, LightsHaveTheirUnits)
 {
@@ -23,14 +23,14 @@ TEST_F(Pbrt, LightsHaveTheirUnits)
     EXPECT_NEAR(scene.lights.at(0).outer_angle, 40 * degree, 1e-9);
     EXPECT_NEAR(scene.lights.at(0).inner_angle, 30 * degree, 1e-9);
     EXPECT_EQ(scene.lights.at(0).falloff, SpotFalloff::smooth);
-    // By default the cone is of 30 degrees, of which the last 5 fade.
+    // The default cone is 30 degrees with a falloff over the last 5.
     scene = world("LightSource \"spot\"");
     EXPECT_NEAR(scene.lights.at(0).outer_angle, 30 * degree, 1e-9);
     EXPECT_NEAR(scene.lights.at(0).inner_angle, 25 * degree, 1e-9);
 }
 
-/// pbrt's own directions of pictures: of a projection along +z, x to the right and y up; the map of a goniometric light
-/// has y and z exchanged, its middle being at +z, its right at +x and its bottom at +y.
+/// pbrt's image orientation: projections look along +z with x right and y up; goniometric maps exchange y and z, so the
+/// center is +z, the right +x and the bottom +y.
 TEST_F(Pbrt, LightsWithPictures)
 {
     write("p.png", "x");
@@ -93,7 +93,7 @@ Shape "sphere")");
     EXPECT_NEAR(given.emission.value.g, 100 / (4 * std::numbers::pi * std::numbers::pi), 1e-4);
 }
 
-/// A lamp whose alpha is the number 0 lights in pbrt without being seen (DiffuseAreaLight, DeltaPosition).
+/// In pbrt, an area light with alpha 0 illuminates but is invisible (DiffuseAreaLight, DeltaPosition).
 TEST_F(Pbrt, InvisibleLamps)
 {
     const std::string lamp = "AreaLightSource \"diffuse\" \"rgb L\" [ 1 2 3 ] ";
@@ -103,7 +103,7 @@ TEST_F(Pbrt, InvisibleLamps)
     EXPECT_TRUE(shape("Texture \"no\" \"float\" \"constant\" \"float value\" 0 " + lamp +
                       "Shape \"sphere\" \"texture alpha\" \"no\"")
                     .invisible_light);
-    // What has some alpha, by a number or a picture, shines as much as it is there.
+    // An area light with a constant or textured alpha above 0 emits in proportion to its alpha.
     const Material half = shape(lamp + "Shape \"sphere\" \"float alpha\" 0.5");
     EXPECT_FALSE(half.invisible_light);
     EXPECT_EQ(half.alpha.value, 0.5f);
@@ -127,7 +127,7 @@ TEST_F(Pbrt, EnvironmentsAreConstantOrPictures)
     expect_color(scene.environment.color, 3, 3, 3);
     expect_near(scene.environment.world_from_environment.vector({0, 0, 1}), {1, 0, 0}, 1e-9);
     EXPECT_EQ(scene.environment.illuminance, 0);
-    // pbrt makes it twice as bright as it is told, see light.cpp.
+    // pbrt doubles the given illuminance, see light.cpp.
     EXPECT_EQ(world("LightSource \"infinite\" \"string filename\" \"a.exr\" \"float illuminance\" 50")
                   .environment.illuminance,
               100);

@@ -1,4 +1,4 @@
-/// Media of pbrt's files around shapes; those within are glass: pbrt_test.cpp.
+/// Media around shapes in pbrt files; media inside shapes become glass, see pbrt_test.cpp.
 #include <cmath>
 
 #include "pbrt_fixture.h"
@@ -10,18 +10,18 @@ constexpr const char* fog = R"(MakeNamedMedium "fog" "string type" "homogeneous"
 "rgb sigma_s" [ 1.5 1.5 1.5 ]
 )";
 
-/// What the camera is in is everywhere where nothing else is. It has its name before, its numbers perhaps after.
+/// The camera's medium fills all space that no other medium occupies. It is named before it may be defined.
 TEST_F(Pbrt, MediumAroundTheCamera)
 {
     const SceneDescription scene =
         load("a.pbrt", std::string("Translate 0 0 8 MediumInterface \"\" \"fog\" Camera \"perspective\" WorldBegin\n") +
                            fog + R"(MediumInterface "" "fog" Shape "sphere")");
     EXPECT_TRUE(warnings_.counts().empty());
-    // pbrt's world is left-handed: all is below a node that mirrors.
+    // pbrt's world is left-handed, so everything is below a mirroring node.
     const Node& mirror = scene.nodes.at(std::size_t(scene.roots.at(0)));
     const Shape& around = scene.nodes.at(std::size_t(mirror.children.back())).shapes.at(0);
     const Sphere& ball = std::get<Sphere>(around.geometry);
-    // From -8 to 1, and from -1 to 1.
+    // Extents: from -8 to 1 along z, from -1 to 1 along x and y.
     EXPECT_NEAR(ball.center.z, -3.5, 1e-6);
     EXPECT_NEAR(ball.radius, std::sqrt(9 * 9 + 2 * 2 + 2 * 2), 1e-6);
     const Material& m = scene.materials.at(std::size_t(around.material));
@@ -42,7 +42,7 @@ TEST_F(Pbrt, MediaOutsideOfShapes)
               std::string::npos);
 }
 
-/// A boundary of nothing within a medium is a solid of nothing.
+/// An interface with vacuum inside a medium becomes a solid of vacuum.
 TEST_F(Pbrt, HolesInMedia)
 {
     const Material hole = material(std::string(fog) + R"(MediumInterface "" "fog" Material "interface")");

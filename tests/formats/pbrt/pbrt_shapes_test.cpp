@@ -1,4 +1,4 @@
-// pbrt's textures and shapes.
+// Textures and shapes of pbrt files.
 #include <fmt/format.h>
 #include <cmath>
 
@@ -22,13 +22,13 @@ Material "diffuse" "texture reflectance" "t" Shape "sphere")");
     EXPECT_EQ(t.color_space, ColorSpace::linear);
     EXPECT_EQ(t.uv_scale.y, 3);
     EXPECT_EQ(t.uv_offset.x, 0.5f);
-    // v grows downwards here: 1 - (3 (1 - v) + 0.25).
+    // v grows downwards in Fathom: 1 - (3 (1 - v) + 0.25).
     EXPECT_EQ(t.uv_offset.y, -2.25f);
-    // A sphere with a picture has pbrt's texture coordinates.
+    // A textured sphere becomes a mesh with pbrt's texture coordinates.
     EXPECT_FALSE(scene.meshes.empty());
 }
 
-/// Only that of sRGB, and none, are decoded so; a power is said to be how far from that.
+/// Only sRGB and linear encodings are exact; for a gamma encoding the warning reports the error against sRGB.
 TEST_F(Pbrt, EncodingsOfPictures)
 {
     const auto space = [&](const std::string& encoding) {
@@ -66,7 +66,7 @@ Material "diffuse" "texture reflectance" "s" Shape "sphere")");
     EXPECT_EQ(t.uv_scale.x, 4);
 }
 
-/// A world whose reflectance is a texture of pbrt's, and what was made of it.
+/// A world with a pbrt texture as reflectance, and the imported texture.
 struct Textured {
     SceneDescription scene;
 
@@ -91,7 +91,7 @@ TEST_F(Pbrt, ProceduralTextures)
         EXPECT_EQ(is_told("Texture '"), type == "ptex") << type;
         return t;
     };
-    // What may leave 0 to 1 is limited, as reflectances are.
+    // Reflectance textures that may leave [0, 1] are clamped.
     const auto limited = [](const Textured& t) -> const Texture& {
         EXPECT_EQ(t.base().kind, TextureKind::clamp);
         return t.of(t.base().color_a.texture);
@@ -100,7 +100,7 @@ TEST_F(Pbrt, ProceduralTextures)
     EXPECT_EQ(limited(fbm).kind, TextureKind::fbm);
     EXPECT_EQ(limited(fbm).octaves, 3);
     EXPECT_EQ(limited(fbm).gain, 0.75f);
-    // Only the place matters: the sphere needs no coordinates of pbrt's.
+    // The texture depends on position only, so the sphere needs no texture coordinates of pbrt's.
     EXPECT_TRUE(fbm.scene.meshes.empty());
     const Textured wrinkled = read("wrinkled", "");
     EXPECT_EQ(limited(wrinkled).kind, TextureKind::wrinkled);
@@ -112,7 +112,7 @@ TEST_F(Pbrt, ProceduralTextures)
     EXPECT_EQ(marble.base().turbulence_weight, 0.5f);
     const Textured dots = read("dots", "\"rgb inside\" [ 1 0 0 ] \"rgb outside\" [ 0 1 0 ] \"float uscale\" 3");
     EXPECT_EQ(dots.base().kind, TextureKind::dots);
-    // pbrt-v4 has the two the other way round.
+    // pbrt-v4 swaps the two textures.
     expect_color(dots.base().color_a.value, 1, 0, 0);
     expect_color(dots.base().color_b.value, 0, 1, 0);
     EXPECT_EQ(dots.base().uv_scale.x, 3);
@@ -124,7 +124,7 @@ TEST_F(Pbrt, ProceduralTextures)
     EXPECT_TRUE(is_told("Ptex files are not read"));
 }
 
-/// s and t of a mapping at a place, by the texture's own parameters.
+/// (s, t) of a texture's mapping at (u, v), computed from its parameters.
 Vec2f mapped(const Texture& t, double u, double v)
 {
     const double c = std::cos(double(t.uv_rotation)), s = std::sin(double(t.uv_rotation));
@@ -136,7 +136,7 @@ TEST_F(Pbrt, BilerpGoesFromCornerToCorner)
 {
     const Textured t{world(R"(Texture "t" "spectrum" "bilerp" "rgb v00" [ 0.1 0 0 ] "rgb v01" [ 0.2 0 0 ]
 "rgb v10" [ 0.3 0 0 ] "rgb v11" [ 0.4 0 0 ] Material "diffuse" "texture reflectance" "t" Shape "sphere")")};
-    // Coordinates may leave 0 to 1, and colours with them.
+    // Coordinates may leave [0, 1], so colors are extrapolated.
     const Texture& mix = t.of(t.base().color_a.texture);
     const Texture &low = t.of(mix.color_a.texture), &high = t.of(mix.color_b.texture);
     EXPECT_NEAR(low.color_a.value.r, 0.1, 1e-6);
@@ -148,27 +148,27 @@ TEST_F(Pbrt, BilerpGoesFromCornerToCorner)
     EXPECT_EQ(high.factor.channel, 0);
     const Texture& place = t.of(mix.factor.texture);
     EXPECT_EQ(place.kind, TextureKind::coordinates);
-    // v of meshes grows downwards here.
+    // v of meshes grows downwards in Fathom.
     EXPECT_NEAR(mapped(place, 0.25, 0.125).y, 0.875, 1e-6);
 }
 
 TEST_F(Pbrt, MappingsByPlace)
 {
     const auto read = [&](const std::string& type, const std::string& parameters) {
-        // Through this camera x runs the other way.
+        // The mirrored camera flips x.
         return Textured{load("a.pbrt", fmt::format(R"(Camera "perspective" WorldBegin AttributeBegin Translate 1 2 3
 Texture "t" "spectrum" "{}" {} AttributeEnd
 Material "diffuse" "texture reflectance" "t" Shape "sphere")",
                                                    type, parameters))};
     };
     const std::string picture = "\"string filename\" \"a.png\" ";
-    // s is the angle from the axis there, t that about it: u and v here the other way round.
+    // pbrt's spherical mapping: s is the polar angle, t the azimuth, so u and v are swapped.
     const Textured ball = read("imagemap", picture + "\"string mapping\" \"spherical\"");
     EXPECT_EQ(ball.base().mapping, TextureMapping::spherical);
     const Vec2f on_ball = mapped(ball.base(), 0.125, 0.25);
     EXPECT_NEAR(on_ball.x, 0.25, 1e-6);
     EXPECT_NEAR(on_ball.y, 1 - 0.125, 1e-6);
-    // The sphere needs no coordinates of its own, but the place where the texture was defined, in the mirrored world.
+    // The sphere needs no texture coordinates, only the frame of the texture's definition in the mirrored world.
     EXPECT_TRUE(ball.scene.meshes.empty());
     EXPECT_EQ(ball.base().world_from_texture.point({1, 0, 0}), (Vec3d{-2, 2, 3}));
     const Texture dots_on_ball = read("dots", "\"string mapping\" \"spherical\"").base();
@@ -183,7 +183,7 @@ Material "diffuse" "texture reflectance" "t" Shape "sphere")",
                                "\"float udelta\" 0.5 \"float vdelta\" 0.25")
                               .base();
     EXPECT_EQ(plane.mapping, TextureMapping::planar);
-    // At y = 2 + 3 and z = 3 + 5.
+    // A point with y = 2 + 3 and z = 3 + 5.
     const Vec3d p = plane.world_from_texture.inverse().point({0, 5, 8});
     EXPECT_NEAR(mapped(plane, p.x, p.y).x, 6.5, 1e-6);
     EXPECT_NEAR(mapped(plane, p.x, p.y).y, 20.25, 1e-6);
@@ -215,7 +215,7 @@ TEST_F(Pbrt, HeightsBendNormals)
     EXPECT_GE(water.bump.texture, 0);
     EXPECT_EQ(water.bump.value, 0.25f);
     EXPECT_TRUE(warnings_.counts().empty());
-    // Where there is a normal map it counts.
+    // A normal map takes precedence over displacement.
     const Material both = material(windy +
                                    "Material \"diffuse\" \"texture displacement\" \"t\" "
                                    "\"string normalmap\" \"n.png\"");
@@ -292,8 +292,8 @@ TEST_F(Pbrt, RoundShapes)
     EXPECT_NEAR(area("\"bilinearmesh\" \"point3 P\" [ 0 0 0 2 0 0 0 3 0 2 3 0 ]"), 6, 1e-6);
 }
 
-/// pbrt's defaults (Triangle and BilinearPatch): (0, 0), (1, 0), (1, 1) at the corners of each triangle, the unit
-/// square at those of faces of four. Here v grows downwards.
+/// pbrt's default texture coordinates (Triangle, BilinearPatch): (0, 0), (1, 0), (1, 1) at each triangle's corners, the
+/// unit square for quads. v grows downwards in Fathom.
 TEST_F(Pbrt, DefaultTextureCoordinates)
 {
     const std::string textured =
@@ -314,7 +314,7 @@ TEST_F(Pbrt, DefaultTextureCoordinates)
     const Vec2f first{0, 1}, second{1, 1}, third{1, 0}, fourth{0, 0};
     expect_corners(mesh_of(world(textured + R"(Shape "trianglemesh")" + corners)),
                    {{a, first}, {b, second}, {c, third}, {a, first}, {c, second}, {d, third}});
-    // Corners keep theirs where the triangle is turned.
+    // Corners keep their coordinates when the triangle is reversed.
     expect_corners(mesh_of(world(textured + R"(ReverseOrientation Shape "trianglemesh")" + corners)),
                    {{a, first}, {c, third}, {b, second}, {a, first}, {d, third}, {c, second}});
     EXPECT_EQ(mesh_of(world(textured + R"(Shape "loopsubdiv" "integer levels" 1)" + corners)).uvs[0].size(), 24u);
@@ -341,13 +341,13 @@ TEST_F(Pbrt, DefaultTextureCoordinates)
                                                       {a, first},
                                                       {c, third},
                                                       {d, fourth}});
-    // The same file without a texture is another mesh.
+    // A file used with and without a texture gives two meshes.
     const SceneDescription both = world(R"(Shape "plymesh" "string filename" "a.ply" )" + textured +
                                         R"(Shape "plymesh" "string filename" "a.ply")");
     ASSERT_EQ(both.meshes.size(), 2u);
     EXPECT_TRUE(both.meshes[0].uvs[0].empty());
     EXPECT_FALSE(both.meshes[1].uvs[0].empty());
-    // Alpha by a texture looks them up, too.
+    // An alpha texture also needs texture coordinates.
     EXPECT_FALSE(
         mesh_of(world(R"(Texture "t" "float" "checkerboard" Shape "trianglemesh" "texture alpha" "t")" + corners))
             .uvs[0]
@@ -365,7 +365,8 @@ TEST_F(Pbrt, CurvesAndSubdivision)
     EXPECT_EQ(curves.radii.back(), 0.25f);
     EXPECT_EQ(world(R"(Shape "curve" "integer degree" 2 "point3 P" [ 0 0 0 1 2 0 2 0 0 ])").curves.at(0).points.size(),
               4u);
-    // A quadratic B-spline begins and ends in the middles of its sides, and touches the others there.
+    // A quadratic B-spline starts and ends at the midpoints of its control polygon and touches the other segments'
+    // midpoints.
     const SceneDescription quadratic = world(
         R"(Shape "curve" "integer degree" 2 "string basis" "bspline" "point3 P" [ 0 0 0 2 4 0 4 0 0 8 2 0 ] "float width0" 0)");
     const Curves& spline = quadratic.curves.at(0);
@@ -377,10 +378,10 @@ TEST_F(Pbrt, CurvesAndSubdivision)
     EXPECT_EQ(spline.points[3].y, 2);
     EXPECT_EQ(spline.points[6].x, 6);
     EXPECT_EQ(spline.points[6].y, 1);
-    // Two thirds of the way to the corner.
+    // Degree elevation: the cubic point is two thirds of the way to the quadratic one.
     EXPECT_NEAR(spline.points[1].y, 2 + 2 * 2 / 3.0, 1e-6);
     EXPECT_NEAR(spline.radii[3], 0.25, 1e-6);
-    // A cubic one whose width changes is as wide at its ends as it is told, not beyond them.
+    // A cubic B-spline with varying width has the given widths at its ends.
     const SceneDescription cubic = world(
         R"(Shape "curve" "string basis" "bspline" "point3 P" [ 0 0 0 1 6 0 2 0 0 3 0 0 4 0 0 ] "float width0" 0 "float width1" 2)");
     const Curves& tapered = cubic.curves.at(0);
@@ -396,7 +397,7 @@ TEST_F(Pbrt, CurvesAndSubdivision)
                   .curves.at(0)
                   .basis,
               CurveBasis::bspline);
-    // An octahedron's limit is nearly a ball, all alike around.
+    // The limit surface of an octahedron is nearly a sphere and symmetric.
     const SceneDescription loop =
         world(R"(Shape "loopsubdiv" "integer levels" 3 "point3 P" [ 1 0 0 -1 0 0 0 1 0 0 -1 0 0 0 1 0 0 -1 ]
 "integer indices" [ 0 2 4 2 1 4 1 3 4 3 0 4 2 0 5 1 2 5 3 1 5 0 3 5 ])");
@@ -405,7 +406,7 @@ TEST_F(Pbrt, CurvesAndSubdivision)
     const auto radius = [&](std::size_t i) {
         return std::hypot(mesh.positions[i].x, mesh.positions[i].y, mesh.positions[i].z);
     };
-    // Of a corner of valence 4: the limit's weights are 1/2 of itself where its neighbours cancel out.
+    // At a vertex of valence 4 the limit weight of the vertex is 1/2 because its neighbors cancel out.
     EXPECT_NEAR(radius(0), radius(4), 1e-6);
     EXPECT_GT(radius(0), 0.4);
     EXPECT_LT(radius(0), 0.8);

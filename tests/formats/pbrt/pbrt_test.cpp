@@ -1,4 +1,4 @@
-// pbrt's materials.
+// Materials of pbrt files.
 #include <fmt/format.h>
 #include <cmath>
 
@@ -22,7 +22,7 @@ NamedMaterial "m")")
 
 TEST_F(Pbrt, RoughnessIsRemapped)
 {
-    // alpha is the roughness here squared: 0.25^2, and of a remapped one the root.
+    // alpha is the square of Fathom's roughness: 0.25^2; a remapped roughness is its root.
     EXPECT_NEAR(
         material("Material \"conductor\" \"float roughness\" 0.0625 \"bool remaproughness\" false").roughness.value,
         0.25, 1e-6);
@@ -48,7 +48,7 @@ Material "conductor" "texture roughness" "t" "bool remaproughness" {} Shape "sph
     }
 }
 
-/// Each direction has its own; of what has facets of one roughness only one is taken.
+/// Textures for both roughness directions; isotropic materials use one of them.
 TEST_F(Pbrt, TexturesAsTwoRoughnesses)
 {
     const auto rough = [&](const char* kind) {
@@ -69,7 +69,7 @@ Material "{}" "texture uroughness" "t" "float vroughness" 0.25 "bool remaproughn
 
 TEST_F(Pbrt, Metals)
 {
-    // What pbrt's own curves reflect in daylight.
+    // Daylight reflectance of pbrt's own spectra.
     expect_color(material("Material \"conductor\" \"spectrum eta\" \"metal-Ag-eta\" \"spectrum k\" \"metal-Ag-k\"")
                      .base_color.value,
                  0.9715, 0.9599, 0.9153, 1e-3);
@@ -116,7 +116,7 @@ TEST_F(Pbrt, Coats)
     EXPECT_EQ(metal.metallic.value, 1);
     EXPECT_EQ(metal.coat.value, 1);
     EXPECT_NEAR(metal.coat_color.value.g, std::exp(-0.02 / std::sqrt(1 - 0.5 / 2.25)), 1e-6);
-    // Refraction widens what rough metal reflects; the grazing angle of the outside is none below.
+    // Refraction widens the lobe of a rough metal; grazing angles outside are not grazing below the coat.
     EXPECT_NEAR(metal.roughness.value, std::sqrt(1.5 * 0.01), 1e-5);
     EXPECT_NEAR(metal.edge_color.value.g, 0.677, 2e-3);
     EXPECT_TRUE(is_told("light below the coat is not followed"));
@@ -137,8 +137,8 @@ TEST_F(Pbrt, Glass)
     EXPECT_TRUE(is_told("Medium 'cloud': is not rendered yet"));
 }
 
-/// By name, of pairs and of files: 20 over Abbe's number, which is the index at 587.6 nm less 1 over the way from
-/// 656.3 to 486.1 nm.
+/// Dispersion from named, tabulated and file spectra: 20 over Abbe's number, (n(587.6 nm) - 1) / (n(486.1 nm) - n(656.3
+/// nm)).
 TEST_F(Pbrt, GlassThatSpreadsColours)
 {
     const Material crown = material("Material \"dielectric\" \"spectrum eta\" \"glass-BK7\"");
@@ -158,7 +158,7 @@ TEST_F(Pbrt, GlassThatSpreadsColours)
     const Material flat = material("Material \"dielectric\" \"spectrum eta\" \"glass.spd\"");
     EXPECT_EQ(flat.kind, MaterialKind::glass);
     EXPECT_EQ(flat.ior, 1.5f);
-    // What fills it is there all the same.
+    // The interior medium of dispersive glass is kept.
     EXPECT_GT(material(R"(MakeNamedMedium "g" "string type" "homogeneous" MediumInterface "g" ""
 Material "dielectric" "spectrum eta" "glass-SF10")")
                   .attenuation_distance,
@@ -210,7 +210,7 @@ TEST_F(Pbrt, Hair)
     EXPECT_FALSE(is_told("hair"));
 }
 
-/// By Jensen et al. 2001, table 1, and by Narasimhan et al. 2006.
+/// Media of Jensen et al. 2001, table 1, and of Narasimhan et al. 2006.
 TEST_F(Pbrt, MeasuredMedia)
 {
     const auto expect_medium = [](const Material& m, Color scattering, Color absorption) {
@@ -224,7 +224,7 @@ TEST_F(Pbrt, MeasuredMedia)
         R"(Material "subsurface" "string name" "Skin1" "float scale" 2 "float g" 0.5 "rgb sigma_a" [ 9 9 9 ])");
     expect_medium(skin, {1.48f, 1.76f, 2.02f}, {0.064f, 0.34f, 0.96f});
     EXPECT_EQ(skin.transmission_scatter_anisotropy, 0);
-    // What stands for the diffusion of light is no number of bounces.
+    // A subsurface material's walk, which replaces a diffusion profile, doesn't count as bounces.
     EXPECT_FALSE(skin.transmission_scatter_bounces);
     const Material coffee = material(
         R"(MakeNamedMedium "m" "string type" "homogeneous" "string preset" "Espresso" "float g" 0.3 MediumInterface "m" ""
@@ -240,7 +240,7 @@ Material "dielectric")");
               std::string::npos);
 }
 
-/// What is a hole as often as an amount says.
+/// An interface in a mixture makes holes with the mixture's probability.
 TEST_F(Pbrt, InterfacesInMixtures)
 {
     const char* const text =

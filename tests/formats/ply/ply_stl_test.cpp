@@ -50,7 +50,7 @@ TEST_F(Ply, Ascii)
     EXPECT_TRUE(warnings_.empty());
 }
 
-/// As Mitsuba has attributes of vertices: numbers, not bytes of a display.
+/// Vertex attributes in Mitsuba's style are linear numbers, not display bytes.
 TEST_F(Ply, LinearColors)
 {
     std::string bytes = header("binary_little_endian",
@@ -68,7 +68,7 @@ TEST_F(Ply, LinearColors)
     EXPECT_EQ(mesh.colors[2].w, 1.f);
 }
 
-/// A square and a triangle beside it, which share an edge: each its own colour, as MeshLab writes them.
+/// A square and a triangle that share an edge, with colors per face as MeshLab writes them.
 constexpr const char* colored_faces = "0 0 0\n1 0 0\n1 1 0\n0 1 0\n2 0 0\n255 0 0 128 4 0 1 2 3\n0 0 255 255 3 1 4 2\n";
 const std::string face_bytes = "property uchar red\nproperty uchar green\nproperty uchar blue\nproperty uchar alpha\n";
 
@@ -109,7 +109,7 @@ TEST_F(Ply, BothByteOrdersWithEverything)
             "property float nx\nproperty float ny\nproperty float nz\nproperty float s\nproperty float t\n"
             "property uchar red\nproperty uchar green\nproperty uchar blue\nproperty uchar alpha\n",
             "property uchar flags\nproperty list ushort uint vertex_index\nproperty list uchar float extra\n", 3, 1);
-        // An element that nobody knows stands between.
+        // An unknown element lies between the known ones.
         bytes.replace(bytes.find("element face"), 0, "element thing 2\nproperty list uchar int a\nproperty float b\n");
         for (int i = 0; i < 3; ++i) {
             append(bytes, double(i == 1), big);
@@ -150,7 +150,7 @@ TEST_F(Ply, BothByteOrdersWithEverything)
 
 TEST_F(Ply, TheFastWayGivesWhatTheSlowOneDoes)
 {
-    // With an extra property the faces take the general way.
+    // An extra property makes faces use the general code path.
     const auto make = [&](bool extra) {
         std::string bytes = header("binary_little_endian", xyz, (extra ? "property uchar skip\n" : "") + indices, 5, 3);
         for (float x : {0.f, 0.f, 0.f, 2.f, 0.f, 0.f, 2.f, 2.f, 0.f, 0.f, 2.f, 0.f, 0.5f, 1.f, 0.f})
@@ -168,7 +168,7 @@ TEST_F(Ply, TheFastWayGivesWhatTheSlowOneDoes)
     EXPECT_EQ(warnings_with("fewer than three corners"), 2u);
 }
 
-/// Elements may stand in any order: a square and a triangle with colors of faces, a face of two corners between them.
+/// Elements may have any order: a square, a degenerate face of two corners and a triangle, with face colors.
 TEST_F(Ply, FacesBeforeVertices)
 {
     const std::string faces = "element face 3\nproperty uchar red\n" + indices, vertices = "element vertex 5\n" + xyz;
@@ -202,7 +202,7 @@ TEST_F(Ply, FacesBeforeVertices)
     EXPECT_EQ(warnings_with("fewer than three corners"), 3u);
 }
 
-/// Faces of the usual kind alone, strips, and corners that no vertex has.
+/// Triangle faces alone, strips, and indices out of range.
 TEST_F(Ply, OtherElementsBeforeVertices)
 {
     std::string usual = "ply\nformat binary_little_endian 1.0\nelement face 1\n" + indices + "element vertex 3\n" +
@@ -225,8 +225,8 @@ TEST_F(Ply, OtherElementsBeforeVertices)
               "face 0: vertex 0 is out of range: there are 0");
 }
 
-/// The same colors as bytes, shorts and floats by each of the names that programs give them: 128 of 255 is 0.21586 by
-/// the formula of sRGB; floats are linear.
+/// Equal colors as bytes, shorts and floats under each name that programs use: 128 / 255 decodes to 0.21586; floats are
+/// linear.
 TEST_F(Ply, NamesAndTypesOfColors)
 {
     const auto color_of = [&](const std::string& prefix, const std::string& names, const std::string& type,
@@ -254,11 +254,11 @@ TEST_F(Ply, NamesAndTypesOfColors)
                 EXPECT_EQ(c.z, 0) << prefix << names << type;
                 EXPECT_NEAR(c.w, 0.2, 1e-6) << prefix << names << type;
             }
-    // The plain names count where a file has both.
+    // Plain names take precedence if a file has both.
     EXPECT_EQ(color_of("", "red green blue diffuse_red diffuse_green diffuse_blue", "uchar", "0 255 0 255 0 255").x, 0);
 }
 
-/// The first byte of a binary body may look like a part of the line's end before it.
+/// The first byte of binary data may look like part of the header's line ending.
 TEST_F(Ply, EndsOfTheLinesOfABinaryHeader)
 {
     for (const std::string end : {"\n", "\r\n", "\r"}) {
@@ -399,7 +399,7 @@ std::string ascii_stl(const std::string& name)
            name + "\n";
 }
 
-/// What programs write around the triangles, in text and in binary files.
+/// Extra text that programs write before and after the triangles, ASCII and binary.
 TEST_F(Stl, OddBeginningsAndEnds)
 {
     std::string upper = ascii_stl(" QUAD"), one_line = ascii_stl("");
@@ -438,7 +438,7 @@ TEST_F(Stl, OddBeginningsAndEnds)
     EXPECT_TRUE(warnings_.empty()) << warnings_.counts().begin()->first;
     const std::string two = ascii_stl(" a") + "\n" + ascii_stl(" b");
     EXPECT_EQ(load("b.stl", two).meshes.at(0).indices.size(), 12u);
-    // The last number may be cut without a sign of it.
+    // Cutting the last number leaves no trace of damage.
     const std::string whole = ascii_stl(" a");
     load("c.stl", whole.substr(0, whole.rfind("endsolid")));
     EXPECT_EQ(warnings_with("without 'endsolid'"), 1u);

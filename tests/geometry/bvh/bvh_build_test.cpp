@@ -1,4 +1,4 @@
-/// Binary trees before they are collapsed: whether they stay trees, and get better.
+/// Binary BVHs before collapsing: they stay valid trees, and optimization lowers their cost.
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 
@@ -17,7 +17,7 @@ namespace {
 using bvh::BinaryNode;
 using bvh::BinaryTree;
 
-/// Many small triangles and a few large ones, for which splits find no good place.
+/// Many small triangles and a few large ones, for which object splits alone are bad.
 GeometryTables small_and_large(int small, int large)
 {
     Random random(31);
@@ -51,7 +51,7 @@ bool contains(const BinaryNode& node, const BinaryNode& child)
     return true;
 }
 
-/// The ids of all leaves, sorted; each node is met once, by its parent, whose box holds it.
+/// Sorted ids of all leaves. Checks that each node is visited once, by its parent, whose box contains it.
 std::vector<std::uint32_t> check(const BinaryTree& tree, std::size_t& deepest)
 {
     std::vector<std::uint32_t> ids;
@@ -82,14 +82,14 @@ std::vector<std::uint32_t> check(const BinaryTree& tree, std::size_t& deepest)
     return ids;
 }
 
-/// As 1 + the larger of both sides', from what is below.
+/// Height from the definition: 1 + the maximum height of both children.
 std::uint32_t true_height(const BinaryTree& tree, std::uint32_t i)
 {
     const BinaryNode& node = tree.nodes[i];
     return node.leaf ? 0 : 1 + std::max(true_height(tree, node.left), true_height(tree, node.right));
 }
 
-/// Triangles of which the first, and then every third, can't be hit.
+/// Triangles of which the first and every third is degenerate.
 GeometryTables with_gaps(int triangles)
 {
     GeometryTables tables = soup(triangles, 100, 1, 35);
@@ -97,7 +97,7 @@ GeometryTables with_gaps(int triangles)
     return tables;
 }
 
-/// More than any part that one thread works on.
+/// More primitives than a single thread's task handles.
 TEST(BvhBuild, trees_hold_each_item_once_in_boxes_that_fit)
 {
     const GeometryTables tables = with_gaps(150'000);
@@ -132,7 +132,7 @@ TEST(BvhBuild, trees_hold_each_item_once_in_boxes_that_fit)
     }
 }
 
-/// At the top all threads part the items together, at the bottom each its own.
+/// Top-level nodes are partitioned by all threads together, lower subtrees by one thread each.
 TEST(BvhBuild, splits_are_the_same_for_any_number_of_threads)
 {
     const GeometryTables tables = with_gaps(150'000);
@@ -151,7 +151,7 @@ TEST(BvhBuild, splits_are_the_same_for_any_number_of_threads)
     }
 }
 
-/// The fast level's trees over clusters cost little more than those over items.
+/// The fast build splits clusters instead of primitives, which raises the SAH cost only slightly.
 TEST(BvhBuild, clusters_cost_little)
 {
     const GeometryTables tables = soup(100'000, 100, 1, 36);
@@ -159,7 +159,7 @@ TEST(BvhBuild, clusters_cost_little)
     EXPECT_LT(bvh::expected_cost(tables, fast), 1.25 * bvh::expected_cost(tables, standard));
 }
 
-/// Against sorting, with many equal distances: boxes are those of cells of a grid.
+/// Child order against a sort, with many equal distances: boxes are cells of a grid.
 TEST(BvhBuild, slots_are_ordered_by_distance_and_blocking)
 {
     Random random(37);
@@ -184,8 +184,8 @@ TEST(BvhBuild, slots_are_ordered_by_distance_and_blocking)
         });
         for (int k = 0; k < count; ++k) EXPECT_EQ(node.child[k], children[slots[k]].reference);
         for (int octant = 0; octant < 8; ++octant) {
-            // From far to near along the octant's diagonal; empty slots are last, or first where it is walked
-            // backwards.
+            // Children are ordered from far to near along the octant's diagonal; empty slots are last, or first in the
+            // reverse order.
             const auto at = [&](int k) { return int(node.order[octant][k / 8] >> 4 * (k % 8) & 15); };
             const auto along = [&](int slot) {
                 float sum = 0;
@@ -208,7 +208,8 @@ TEST(BvhBuild, slots_are_ordered_by_distance_and_blocking)
     }
 }
 
-/// Heights must be known anew where counts have been found in between, and children may stand before their parents.
+/// Heights are recomputed after expected_cost() has reused their storage for counts, also if children precede their
+/// parents.
 TEST(BvhBuild, heights_are_right_after_moves)
 {
     const GeometryTables tables = small_and_large(20'000, 500);
@@ -239,8 +240,8 @@ TEST(BvhBuild, reinsertion_lowers_the_cost_of_the_same_leaves)
             areas = now;
         }
         EXPECT_LT(areas, 0.9 * first_areas);
-        // Where triangles were cut already, inner boxes that wide nodes do without may gain at the others' cost: the
-        // high level looks at that, see below.
+        // With spatial splits, reinsertion may shrink inner nodes that collapsing removes, at the expense of others;
+        // the high level compares both trees (see below).
         if (!cut) EXPECT_LT(bvh::expected_cost(tables, tree), 0.8 * first_cost);
     }
 }
@@ -274,7 +275,7 @@ TEST(BvhBuild, reinsertion_is_the_same_for_any_number_of_threads)
     }
 }
 
-/// Boxes in boxes want to become a list, which stacks have no room for.
+/// Nested boxes favor a degenerate chain, too deep for the traversal stack.
 TEST(BvhBuild, reinsertion_makes_no_deep_trees)
 {
     GeometryTables tables;
@@ -291,7 +292,7 @@ TEST(BvhBuild, reinsertion_makes_no_deep_trees)
     EXPECT_LE(after, std::max<std::size_t>(before, 96));
 }
 
-/// The goal for all levels, twice 64, where many triangles are cut.
+/// Build memory limit per triangle, 128 bytes: twice 64 because many triangles are split.
 TEST(BvhBuild, peak_bytes_of_a_triangle)
 {
     const GeometryTables tables = small_and_large(150'000, 10'000);
@@ -300,13 +301,13 @@ TEST(BvhBuild, peak_bytes_of_a_triangle)
         bvh.build(tables, level);
         const double triangles = double(tables.triangle_count());
         EXPECT_LE(double(bvh.statistics().peak_bytes), 128 * triangles) << int(level);
-        // Nearly as much as was there at once: items, what sorts them, nodes; later leaves in their place.
+        // The lower bound is nearly what exists at once: primitives, sort keys and nodes, which leaves later replace.
         EXPECT_GE(double(bvh.statistics().peak_bytes), (level == TreeBuild::fast ? 65 : 80) * triangles) << int(level);
     }
 }
 
-/// Slanted triangles are best cut, axis-aligned ones left whole: the high level does what is better, and never worse
-/// than the default one.
+/// Spatial splits help slanted triangles but not axis-aligned ones: the high level picks the better tree and is never
+/// worse than the default.
 TEST(BvhBuild, the_high_level_does_what_is_best)
 {
     for (const bool aslant : {false, true}) {

@@ -65,7 +65,7 @@ TEST(Bvh, grids_piles_and_duplicates)
     compare_with_force(tables, 8, 20'000, "pile");
 }
 
-/// Uneven ground of n x n squares, in triangles. apart: each has vertices of its own, as where faces have normals.
+/// Height field of n x n squares, two triangles each. apart: each triangle has its own vertices, as with face normals.
 GeometryTables ground(std::uint32_t n, bool apart)
 {
     Random random(24);
@@ -89,7 +89,7 @@ GeometryTables ground(std::uint32_t n, bool apart)
     return tables;
 }
 
-/// centers: of the places where they start, near each other.
+/// Checks shadow rays that start near common points, with and without some long rays. centers: draws these points.
 template <class Centers>
 void expect_short_rays(const GeometryTables& tables, TreeBuild level, const Centers& centers)
 {
@@ -100,7 +100,7 @@ void expect_short_rays(const GeometryTables& tables, TreeBuild level, const Cent
         Rays rays;
         for (int group = 0; group < 100; ++group) {
             const Vec3f center = centers(random);
-            const float reach = group % 2 ? 5 : 20;  // rays within a quarter of the scene's size are near each other
+            const float reach = group % 2 ? 5 : 20;  // rays within a quarter of the scene's size are traced as a packet
             for (int i = 0; i < 64; ++i) {
                 const bool is_long = some_long && random.below(20) == 0;
                 const Vec3f along = random.below(3)   ? random.direction()
@@ -124,7 +124,7 @@ void expect_short_rays(const GeometryTables& tables, TreeBuild level, const Cent
     }
 }
 
-/// Short rays that start near each other share their way, unless some are not short.
+/// Short rays with nearby origins are traversed as packets, unless some of them are long.
 TEST(Bvh, short_rays)
 {
     const GeometryTables hills = ground(60, false);
@@ -156,7 +156,7 @@ TEST(Bvh, degenerate_and_not_finite)
     Bvh bvh;
     bvh.build(tables);
     EXPECT_LT(bvh.statistics().leaf_primitives, tables.triangle_count());
-    // By force, without those that are left out.
+    // Brute force over the remaining, valid primitives.
     GeometryTables finite = tables;
     for (std::uint32_t& v : finite.triangles)
         if (!std::isfinite(finite.positions[v].x)) finite.triangles[&v - finite.triangles.data()] = 0;
@@ -168,7 +168,7 @@ TEST(Bvh, degenerate_and_not_finite)
 
 TEST(Bvh, exponential_sizes)
 {
-    // Each split takes one off: the deepest tree that there can be.
+    // Each split separates one triangle, which gives the deepest possible tree.
     GeometryTables tables = empty_tables();
     for (int i = -60; i < 60; ++i) {
         const float s = std::ldexp(1.f, i);
@@ -247,7 +247,7 @@ TEST(Bvh, instances)
     compare_with_force(instances(50, 100), 60, 10'000, "extremely scaled");
 }
 
-/// A tree of its own holds instances that may move.
+/// Movable instances have a top-level tree of their own.
 TEST(Bvh, movable_instances)
 {
     for (const std::uint32_t still : {0u, 1u, 50u, 110u}) {
@@ -258,7 +258,7 @@ TEST(Bvh, movable_instances)
     }
 }
 
-/// An instance with its share of the tree; materials are shared.
+/// Memory of an instance with its share of the tree; materials are shared.
 TEST(Bvh, bytes_of_an_instance)
 {
     Random random(3);
@@ -296,7 +296,7 @@ TEST(Bvh, alpha)
     Bvh bvh;
     bvh.set_alpha_test(&Asked::test, nullptr);
     bvh.build(tables);
-    // The same by casting on from each hit that doesn't count.
+    // The reference restarts an opaque ray at each hit that the alpha test rejects.
     Bvh opaque;
     opaque.build(tables);
     Rays rays = nasty_rays(tables, 60, 10'000, 14);
@@ -327,7 +327,7 @@ TEST(Bvh, alpha)
     EXPECT_GT(passed, 100u);
 }
 
-/// Bits must not depend on the instruction set: the same figure in each build of this test.
+/// Bits don't depend on the instruction set: every build of this test has the same checksum.
 TEST(Bvh, the_same_bits_everywhere)
 {
     GeometryTables tables = all_kinds(2'000);
@@ -351,7 +351,7 @@ TEST(Bvh, the_same_bits_everywhere)
 
 TEST(Bvh, the_same_tree_for_any_number_of_threads)
 {
-    // Large ones among them, for spatial splits to cut.
+    // Large triangles among them, which spatial splits divide.
     GeometryTables tables = soup(200'000, 100, 1, 16);
     Random random(17);
     for (int i = 0; i < 2'000; ++i) add_triangle(tables, random.point(100), random.point(100), random.point(100));
@@ -378,7 +378,7 @@ TEST(Bvh, the_same_tree_for_any_number_of_threads)
     }
 }
 
-/// What the levels are for, as far as it does not depend on the machine.
+/// Cost, memory and traversal of the build levels, as far as they don't depend on the machine.
 TEST(Bvh, levels_of_building)
 {
     Random random(18);
@@ -397,7 +397,7 @@ TEST(Bvh, levels_of_building)
     EXPECT_LT(of[1].cost, of[0].cost);
     EXPECT_LT(of[2].cost, 0.97 * of[1].cost);
     EXPECT_LT(of[2].bytes, 1.4 * of[1].bytes);
-    // Nothing is shared in a soup.
+    // The triangles share no vertices, so compact leaves save nothing.
     EXPECT_EQ(of[3].bytes, of[1].bytes);
     EXPECT_EQ(of[3].cost, of[1].cost);
 }
@@ -416,7 +416,7 @@ TEST(Bvh, bytes_of_a_triangle)
         EXPECT_LE(double(compact.statistics().bytes) / n, 35);
         EXPECT_LE(double(compact.statistics().peak_bytes) / n, 75);
     }
-    // Slivers, some of which share an edge: nothing is larger for it.
+    // Slivers, half of which share an edge: compact leaves are never larger.
     GeometryTables slivers = empty_tables();
     Random random(25);
     for (int i = 0; i < 20'000; ++i) {
@@ -432,7 +432,7 @@ TEST(Bvh, bytes_of_a_triangle)
     EXPECT_LE(compact.statistics().peak_bytes, plain.statistics().peak_bytes);
 }
 
-/// Leaves of both kinds, of up to 16 triangles, side by side.
+/// Leaves of both kinds with up to 16 triangles, side by side.
 TEST(Bvh, compact_leaves)
 {
     GeometryTables tables = ground(60, false);
@@ -441,7 +441,7 @@ TEST(Bvh, compact_leaves)
         const Vec3f a = random.point(60);
         add_triangle(tables, a, plus(a, random.point(3)), plus(a, random.point(3)));
     }
-    // A fan: more triangles than a leaf can hold over as many vertices as it can.
+    // A fan with more triangles than one leaf holds, over as many vertices as a leaf can hold.
     const Vec3f hub{10, 20, 10};
     for (int i = 0; i < 40; ++i) {
         const auto rim = [&](int k) {
@@ -455,7 +455,7 @@ TEST(Bvh, compact_leaves)
     compare_with_force(tables, 60, 20'000, "ground");
 }
 
-/// A leaf's triangles are counted whole, a node once for each ray.
+/// All triangles of a visited leaf are counted, and each visited node once per ray.
 TEST(Bvh, visits)
 {
     GeometryTables tables = soup(5, 1, 1, 20);
@@ -467,7 +467,7 @@ TEST(Bvh, visits)
     BvhVisits visits;
     few.closest(arrays, hits.arrays(), false, &visits);
     few.closest(arrays, hits.arrays(), true, &visits);
-    // All in one leaf, which is the root.
+    // The root is a leaf with all triangles.
     EXPECT_EQ(visits.primitives, 2 * 5 * arrays.count);
     EXPECT_EQ(visits.nodes, 0u);
     tables = soup(2'000, 1, 0.1f, 22);
@@ -476,7 +476,7 @@ TEST(Bvh, visits)
     for (bool coherent : {false, true}) {
         visits = {};
         many.closest(arrays, hits.arrays(), coherent, &visits);
-        // Rays that pass by meet the root only.
+        // Rays that miss the scene visit only the root.
         EXPECT_GE(visits.nodes, arrays.count);
         EXPECT_LT(visits.nodes, 30 * arrays.count);
         EXPECT_GT(visits.primitives, 5 * arrays.count / 10);

@@ -1,5 +1,5 @@
 #pragma once
-/// The tree against the plainest way to cast rays.
+/// Comparison of BVH traversal with brute force.
 #include <gtest/gtest.h>
 
 #include "geometry/bvh/layout/data.h"
@@ -9,7 +9,7 @@ namespace fathom {
 
 inline constexpr TreeBuild tree_builds[] = {TreeBuild::fast, TreeBuild::standard, TreeBuild::high, TreeBuild::compact};
 
-/// Rays from within and without: at random, axis-aligned, at vertices, in planes of triangles, short ones.
+/// Rays from inside and outside: random, axis-aligned, at vertices, in planes of triangles, and short ones.
 inline Rays nasty_rays(const GeometryTables& tables, float radius, std::size_t n, std::uint64_t seed)
 {
     Random random(seed);
@@ -25,7 +25,7 @@ inline Rays nasty_rays(const GeometryTables& tables, float radius, std::size_t n
     while (rays.count() < n) {
         const Vec3f o = random.point(radius * (random.below(4) ? 1.2f : 8.f));
         const float limit = random.below(3) ? std::numeric_limits<float>::infinity() : random.uniform(0, radius);
-        // One number to a statement: compilers differ in the order of arguments, and the rays are to be the same.
+        // Each statement draws one number because the evaluation order of arguments depends on the compiler.
         const Vec3f anywhere = random.direction();
         rays.add(o, anywhere, limit, random.uniform());
         const float sign = random.below(2) ? 1.f : -1.f;
@@ -42,8 +42,7 @@ inline Rays nasty_rays(const GeometryTables& tables, float radius, std::size_t n
     return rays;
 }
 
-/// Rays that keep together, as those of a camera: 64 from near one place in nearly one direction, at times of their
-/// own.
+/// Coherent rays: groups of 64 with nearby origins and directions but different times.
 inline Rays bundles(const GeometryTables& tables, float radius, std::size_t n, std::uint64_t seed)
 {
     Random random(seed);
@@ -67,7 +66,7 @@ inline void expect_same(const GeometryTables& tables, const Hits& got, const Hit
     for (std::size_t i = 0; i < n; ++i) {
         bool same = got.t[i] == expected.t[i] && got.primitive[i] == expected.primitive[i] &&
                     got.instance[i] == expected.instance[i];
-        // Only triangles and quads have u and v, curves u.
+        // Only triangles and quads have u and v; curves have u.
         if (same && got.primitive[i] < tables.first_sphere())
             same = got.u[i] == expected.u[i] && got.v[i] == expected.v[i];
         if (same && got.primitive[i] >= tables.first_curve() && got.primitive[i] < tables.first_point())
@@ -95,7 +94,7 @@ inline void compare_with_force(const GeometryTables& tables, const Bvh& bvh, Ray
 
 inline void compare_with_force(const GeometryTables& tables, float radius, std::size_t n, const char* what)
 {
-    // One lane takes a while.
+    // The scalar build is slow, so it traces fewer rays.
     if (lanes == 1) n /= 10;
     for (TreeBuild level : tree_builds) {
         SCOPED_TRACE(int(level));

@@ -1,4 +1,4 @@
-/// Bvh::expect: which children rays that ask for any hit take first.
+/// Bvh::expect orders the children for shadow rays by the expected chance of occlusion.
 #include <gtest/gtest.h>
 
 #include "compare_with_force.h"
@@ -18,7 +18,7 @@ void add_box(GeometryTables& tables, Vec3f low, Vec3f high)
     }
 }
 
-/// A room of 20 x 20 x 4 with a screen of panels across its middle, and small things all about.
+/// A room of 20 x 20 x 4 with a screen of panels across its middle and small objects everywhere.
 GeometryTables furnished_room()
 {
     Random random(31);
@@ -33,7 +33,7 @@ GeometryTables furnished_room()
     return tables;
 }
 
-/// Between places in the one half of the room and in the other.
+/// Rays between the two halves of the room.
 Rays rays_across(std::size_t n, std::uint64_t seed)
 {
     Random random(seed);
@@ -70,7 +70,7 @@ TEST(BvhExpect, shadow_rays_meet_less)
     EXPECT_LT(double(after.nodes), 1.05 * double(before.nodes));
 }
 
-/// Every ray hits what it hit before, on the same way.
+/// The occlusion order changes no hit.
 TEST(BvhExpect, changes_no_result)
 {
     for (const GeometryTables& tables : {furnished_room(), soup(3'000, 10, 2, 34)}) {
@@ -86,7 +86,7 @@ TEST(BvhExpect, changes_no_result)
             EXPECT_EQ(a.primitive, b.primitive);
             EXPECT_EQ(cast_shadows(before, rays, coherent), cast_shadows(after, rays, coherent));
         }
-        // Nearest first, as before.
+        // Closest-hit rays still visit the nearest child first.
         const RayArrays arrays = rays.arrays();
         Hits hits(arrays.count);
         BvhVisits was, is;
@@ -97,7 +97,7 @@ TEST(BvhExpect, changes_no_result)
     }
 }
 
-/// Rays along axes, with zeros, and trees of one leaf or none.
+/// Axis-parallel rays, rays with zero components, and trees with one leaf or none.
 TEST(BvhExpect, bears_anything)
 {
     Rays rays = rays_across(10, 37);

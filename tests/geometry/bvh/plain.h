@@ -1,5 +1,5 @@
 #pragma once
-/// Rays against single shapes in double, from the shapes' definitions: nothing here shares a line with src/geometry.
+/// Ray intersections in double precision from the definitions of the shapes, independent of src/geometry.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -17,10 +17,10 @@ inline Vec3d wide(Vec3f v)
 
 struct Crossing {
     double t = nothing;
-    double u = 0, v = 0;  ///< along the edges
+    double u = 0, v = 0;  ///< coordinates along the two edges
 };
 
-/// Where a ray meets the plane of a corner and two edges, in coordinates along the edges.
+/// Intersection with the plane through a corner and two edges, in coordinates along the edges.
 inline Crossing cross_plane(Vec3d corner, Vec3d eu, Vec3d ev, Vec3d o, Vec3d d)
 {
     const Vec3d n = cross(eu, ev), r = o - corner;
@@ -34,7 +34,7 @@ inline Crossing cross_plane(Vec3d corner, Vec3d eu, Vec3d ev, Vec3d o, Vec3d d)
     return c;
 }
 
-/// grow: how far inside shapes reach beyond their edges, in shares of these; negative: they end before them.
+/// grow: fraction of the edges by which a shape is enlarged, or shrunk if negative.
 inline Crossing meet_triangle(Vec3d a, Vec3d b, Vec3d c, Vec3d o, Vec3d d, double grow = 0)
 {
     const Crossing x = cross_plane(a, b - a, c - a, o, d);

@@ -1,5 +1,5 @@
 #pragma once
-/// Rays and scenes for the tests of ray casting, and the plainest way to cast them: every primitive in turn.
+/// Random rays and scenes for ray casting tests, and brute-force casting that tests every primitive.
 #include <cmath>
 #include <cstdint>
 #include <vector>
@@ -11,7 +11,7 @@
 
 namespace fathom {
 
-/// PCG (O'Neill 2014), 32 bits of output.
+/// PCG (O'Neill 2014) with 32 bits of output.
 class Random {
 public:
     explicit Random(std::uint64_t seed) : state_(seed * 2862933555777941757u + 3037000493u) { next(); }
@@ -54,7 +54,7 @@ inline Vec3f unit_towards(Vec3f from, Vec3f to)
     return {float(x / l), float(y / l), float(z / l)};
 }
 
-/// Tables with one shape for all that is in the world.
+/// Tables with one shape that holds all world-space primitives.
 inline GeometryTables empty_tables()
 {
     GeometryTables tables;
@@ -68,7 +68,7 @@ inline void add_triangle(GeometryTables& tables, Vec3f a, Vec3f b, Vec3f c)
         tables.positions.push_back(v);
     }
 }
-/// To be called when all primitives are there; instanced meshes have been numbered already.
+/// Call it after all primitives were added; instanced meshes already have their ids.
 inline void finish(GeometryTables& tables)
 {
     if (tables.instances.empty()) tables.world_triangles = tables.triangle_count();
@@ -96,7 +96,7 @@ struct Rays {
     }
 
 private:
-    std::size_t count_ = 0;  ///< where there is padding behind them
+    std::size_t count_ = 0;  ///< number of rays without padding, once there is padding
     bool padded_ = false;
 };
 
@@ -123,7 +123,7 @@ inline std::vector<std::uint32_t> cast_shadows(const Bvh& bvh, Rays& rays, bool 
     return blocked;
 }
 
-/// A corner of what a key names, for each lane at its time.
+/// A vertex of the primitive that the key names, at each lane's time.
 inline Vec3 corner_at(const GeometryTables& tables, BvhKey key, int corner, Float time)
 {
     Vec3f v[3];
@@ -142,7 +142,7 @@ inline Vec3 corner_at(const GeometryTables& tables, BvhKey key, int corner, Floa
     return p;
 }
 
-/// A piece of a curve for each lane at its time.
+/// A curve piece at each lane's time.
 struct PieceAt {
     CurvePiece piece;
     Vec3 tangent_a, tangent_b;
@@ -173,8 +173,8 @@ inline PieceAt piece_at(const GeometryTables& tables, std::uint32_t id, Float ti
     return p;
 }
 
-/// One primitive against rays, in the world or, if instance is not no_index, in the space of what that places. scale:
-/// the length that directions had there.
+/// Tests one primitive against rays in world space or, unless instance is no_index, in that instance's object space.
+/// scale: length of the object-space direction before normalization.
 inline void meet_by_force(const GeometryTables& tables, std::uint32_t primitive, const Ray& ray, Float scale,
                           UInt instance, Hit& hit)
 {
@@ -236,7 +236,7 @@ inline void meet_by_force(const GeometryTables& tables, std::uint32_t primitive,
     take(m & (t <= hit.t), t, Float(0), Float(0));
 }
 
-/// The nearest hits by testing everything, with the tests of geometry/shapes.h.
+/// Closest hits by testing every primitive with the intersection functions of src/geometry/shapes.
 inline Hits cast_by_force(const GeometryTables& tables, Rays& rays)
 {
     const RayArrays arrays = rays.arrays();
@@ -254,7 +254,7 @@ inline Hits cast_by_force(const GeometryTables& tables, Rays& rays)
             const InstanceRecord& instance = tables.instances[k];
             const Affine to_object = object_from_render(tables, instance, ray.time);
             const Ray inner{to_object.point(ray.o), to_object.vector(ray.d), ray.t_max, ray.time};
-            // Round shapes want unit directions.
+            // Curves and quadrics expect unit directions.
             const Float scale = length(inner.d);
             const Ray unit{inner.o, inner.d * (Float(1) / scale), ray.t_max, ray.time};
             for (std::uint32_t p = tables.shapes[instance.mesh_shape].first_primitive;

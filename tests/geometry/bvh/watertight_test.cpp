@@ -1,4 +1,4 @@
-/// Closed meshes have no cracks: rays from within, aimed at edges and vertices, all hit.
+/// Closed meshes are watertight: rays from inside that are aimed at edges and vertices always hit.
 #include <gtest/gtest.h>
 
 #include "compare_with_force.h"
@@ -6,7 +6,7 @@
 namespace fathom {
 namespace {
 
-/// A sphere of bumps: rings of vertices, triangles between them, closed at the poles.
+/// A sphere with bumps: rings of vertices joined by triangles, closed at the poles.
 GeometryTables closed_mesh(int rings, int sectors, float radius, float bumps, Vec3f center, Vec3f scale)
 {
     Random random(5);
@@ -51,7 +51,7 @@ void expect_no_misses(const GeometryTables& tables, TreeBuild level, Vec3f cente
         rays.add(o, unit_towards(o, a));
         const float s = random.uniform();
         rays.add(o, unit_towards(o, plus(times(a, 1 - s), times(b, s))));
-        // Axis-aligned, through a vertex as exactly as can be.
+        // Axis-aligned rays exactly through a vertex.
         rays.add({a.x, a.y, center.z}, {0, 0, random.below(2) ? 1.f : -1.f});
         rays.add({center.x, a.y, a.z}, {random.below(2) ? 1.f : -1.f, 0, 0});
     }
@@ -60,7 +60,7 @@ void expect_no_misses(const GeometryTables& tables, TreeBuild level, Vec3f cente
         const std::vector<std::uint32_t> blocked = cast_shadows(bvh, rays, coherent);
         std::size_t missed = 0, passed = 0;
         for (std::size_t i = 0; i < rays.count(); ++i) {
-            // An axis-aligned ray starts inside only if its vertex is not on the rim.
+            // An axis-aligned ray starts inside only if its vertex is not on the silhouette.
             if (i % 4 >= 2) {
                 const float dx = rays.o[0][i] - center.x, dy = rays.o[1][i] - center.y, dz = rays.o[2][i] - center.z;
                 if (dx * dx + dy * dy + dz * dz > inside * inside) continue;
@@ -76,7 +76,7 @@ void expect_no_misses(const GeometryTables& tables, TreeBuild level, Vec3f cente
 void expect_no_misses(const GeometryTables& tables, Vec3f center, float inside, std::size_t n)
 {
     expect_no_misses(tables, TreeBuild::standard, center, inside, n);
-    // The pieces of triangles that this cuts leave no cracks either.
+    // Spatial splits of the triangles leave no cracks either.
     expect_no_misses(tables, TreeBuild::high, center, inside, n / 4);
     expect_no_misses(tables, TreeBuild::compact, center, inside, n / 4);
 }
@@ -99,7 +99,7 @@ TEST(Watertight, large_and_fine)
     expect_no_misses(closed_mesh(300, 500, 1000, 0.001f, {}, {1, 1, 1}), {}, 400, many);
 }
 
-/// An axis-aligned box of many equal squares: edges and corners everywhere in planes of boxes of the tree.
+/// An axis-aligned box of many equal squares: edges and vertices lie exactly in planes of the tree's boxes.
 TEST(Watertight, box_of_squares)
 {
     GeometryTables tables = empty_tables();

@@ -7,12 +7,11 @@
 
 #include "compile/compiled_scenes.h"
 
-// What is compiled from descriptions, looked at in the tables themselves: most of it shows in a picture only as noise,
-// or as a place where two mistakes cancel.
+// Tests of compiled tables: most errors in them would show in an image only as noise, or where two errors cancel.
 namespace fathom {
 namespace {
 
-/// Six faces with their normals outwards; the sphere that a transform distorts is a mesh that lies on the ellipsoid.
+/// A box has six faces with outward normals; a sphere under a nonuniform transform becomes a mesh on the ellipsoid.
 TEST(GeometryTable, BoxesAndDistortedSpheres)
 {
     SceneDescription d = empty_scene();
@@ -44,7 +43,7 @@ TEST(GeometryTable, BoxesAndDistortedSpheres)
         for (std::size_t k = 0; k < 3; ++k) {
             const Vec3d p = at(k);
             ASSERT_NEAR(p.x * p.x / 36 + p.y * p.y / 4 + p.z * p.z / 4, 1, 1e-5);
-            // The gradient of that.
+            // Normals follow the gradient of the ellipsoid's equation.
             const Vec3d gradient = normalize(Vec3d{p.x / 36, p.y / 4, p.z / 4}) * (inwards ? -1.0 : 1.0);
             ASSERT_NEAR(dot(direction(t.normals[t.triangles[i + k]]), gradient), 1, 1e-5);
             const Vec2f uv = t.uv0[t.triangles[i + k]];
@@ -53,7 +52,7 @@ TEST(GeometryTable, BoxesAndDistortedSpheres)
     }
 }
 
-/// Under a transform that turns, stretches and mirrors, normals stay perpendicular to their faces and tangents in them.
+/// Under rotation, nonuniform scale and mirroring, normals stay perpendicular to faces and tangents stay in them.
 TEST(GeometryTable, NormalsStayPerpendicular)
 {
     for (const double mirror : {1.0, -1.0}) {
@@ -91,7 +90,7 @@ TEST(GeometryTable, NormalsStayPerpendicular)
     }
 }
 
-/// Where shapes that move are, and that a mesh placed often is there once, with maps to its own space.
+/// Positions of moving shapes; a mesh with several instances is stored once, with a map to its object space.
 TEST(GeometryTable, InstancesMapBack)
 {
     SceneDescription d = empty_scene();
@@ -133,7 +132,7 @@ TEST(GeometryTable, InstancesMapBack)
     EXPECT_EQ(ids.size(), 3u);
 }
 
-/// Neighbouring poses turn the shorter way, by the angle between them.
+/// Interpolation between neighboring poses takes the shorter rotation by the angle between them.
 TEST(GeometryTable, PosesOfWhatTurns)
 {
     SceneDescription d = empty_scene();
@@ -164,7 +163,7 @@ TEST(GeometryTable, PosesOfWhatTurns)
     }
 }
 
-/// Pairs of triangles that make a parallelogram become one, others stay; what needs its vertices is left alone.
+/// Two triangles that form a parallelogram become a quad; triangles that need their vertices stay triangles.
 TEST(GeometryTable, TrianglesAreJoinedWhereTheyMakeParallelograms)
 {
     SceneDescription d = empty_scene();
@@ -177,10 +176,10 @@ TEST(GeometryTable, TrianglesAreJoinedWhereTheyMakeParallelograms)
     EXPECT_EQ(joined.data().tables->quads.size(), 1u);
     EXPECT_EQ(joined.data().tables->triangle_count(), 1u);
     const QuadRecord& q = joined.data().tables->quads[0];
-    EXPECT_GT(q.edge_u.x * q.edge_v.y - q.edge_u.y * q.edge_v.x, 0);  // its front is still the front
+    EXPECT_GT(q.edge_u.x * q.edge_v.y - q.edge_u.y * q.edge_v.x, 0);  // the front side is kept
 }
 
-/// Normals matter but where they are those of the planes: files have them for boxes, too.
+/// Vertex normals prevent joining unless they equal the face normal, as files of boxes often have them.
 TEST(GeometryTable, TrianglesAreJoinedWhereTheirNormalsSayNothing)
 {
     const auto joined = [](std::vector<Vec3f> normals) {
@@ -202,7 +201,7 @@ TEST(GeometryTable, TrianglesAreJoinedWhereTheirNormalsSayNothing)
     EXPECT_FALSE(joined({back, back, back, back}));
 }
 
-/// Triangles that show where on them something is keep their texture coordinates.
+/// Triangles whose material depends on texture coordinates are not joined.
 TEST(GeometryTable, TrianglesThatShowTheirUvAreNotJoined)
 {
     const auto quads = [](const std::function<void(Material&)>& change, bool mixed = false) {
@@ -238,7 +237,7 @@ TEST(GeometryTable, TrianglesThatShowTheirUvAreNotJoined)
         for (const bool mixed : {false, true}) EXPECT_EQ(quads(change, mixed), 0u);
 }
 
-/// Bezier points of each basis, shared between neighbours, and where along the curve each segment is.
+/// Bezier control points of each basis, shared between neighboring segments, and each segment's place along the curve.
 TEST(GeometryTable, CurvesBecomeBezierSegments)
 {
     for (const CurveBasis basis :
@@ -259,7 +258,7 @@ TEST(GeometryTable, CurvesBecomeBezierSegments)
         ASSERT_EQ(t.curves.size(), segments);
         EXPECT_EQ(t.curves.front().u0, 0);
         EXPECT_EQ(t.curves.back().u1, 1);
-        // At t of a segment, by the basis' own weights and by those of Bezier points.
+        // Point at parameter t of a segment, by the basis' weights and by the Bezier weights.
         const auto weights = [](CurveBasis of, double x, double(&w)[4]) {
             const double s = 1 - x;
             if (of == CurveBasis::bezier)
@@ -294,8 +293,8 @@ TEST(GeometryTable, CurvesBecomeBezierSegments)
     }
 }
 
-/// Points that move are given at the times of all keys while the shutter is open: of each curve where it is then, cut
-/// as finely as it is ever asked for.
+/// Moving control points are stored at the times of all keys while the shutter is open: every curve at every such time,
+/// with the finest subdivision that any time needs.
 TEST(GeometryTable, CurvesThatMoveHavePointsAtEachTime)
 {
     SceneDescription d = empty_scene();
@@ -330,7 +329,7 @@ TEST(GeometryTable, CurvesThatMoveHavePointsAtEachTime)
                             float(way * std::min(1.0, double(t.vertex_times[time]) / end)))
                 << k << ' ' << time;
     }
-    // What stands still while the shutter is open stands where it then is.
+    // Geometry that is static during the shutter interval is placed at that time.
     d.cameras[0].shutter_open = 1;
     const Scene later = compiled(d);
     const SceneTables& still = *later.data().tables;

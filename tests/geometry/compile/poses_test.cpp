@@ -5,11 +5,11 @@
 #include "geometry/bvh/rays_and_scenes.h"
 #include "geometry/motion.h"
 
-// What moves, at any time, against plain arithmetic in double.
+// Interpolated poses at any time against plain arithmetic in double precision.
 namespace fathom {
 namespace {
 
-/// Any place and rotation; a stretching along axes that are not those of the space.
+/// A random translation and rotation, and a stretch along rotated axes.
 PoseRecord random_pose(Random& random, float time)
 {
     PoseRecord pose;
@@ -24,15 +24,15 @@ PoseRecord random_pose(Random& random, float time)
     return pose;
 }
 
-/// Poses at any time against slerp by the angle, rotation by the quaternion's sandwich product, stretch before,
-/// translation after, all in double.
+/// Interpolated poses against slerp in double precision: stretch, then rotation by the quaternion's sandwich product,
+/// then translation.
 TEST(Poses, InDouble)
 {
     struct Quaternion {
         double x, y, z, w;
     };
     const auto turned = [](Quaternion q, Vec3d v) {
-        // v + 2 u x (u x v + w v), u the vector part (Rodrigues).
+        // v + 2 u x (u x v + w v) with the vector part u (Rodrigues).
         const Vec3d u{q.x, q.y, q.z};
         return v + 2 * cross(u, cross(u, v) + q.w * v);
     };
@@ -89,7 +89,7 @@ TEST(Poses, InDouble)
                 float x[6][lanes];
                 store(x[0], got.x), store(x[1], got.y), store(x[2], got.z);
                 store(x[3], again.x), store(x[4], again.y), store(x[5], again.z);
-                const double tolerance = 2e-3;  // of some hundred
+                const double tolerance = 2e-3;  // absolute, for values of a few hundred
                 EXPECT_NEAR(x[0][0], e.x, tolerance) << i << " at " << time;
                 EXPECT_NEAR(x[1][0], e.y, tolerance) << i << " at " << time;
                 EXPECT_NEAR(x[2][0], e.z, tolerance) << i << " at " << time;
@@ -101,7 +101,7 @@ TEST(Poses, InDouble)
     }
 }
 
-/// Which key is the last one, and the share of the way to the next.
+/// Index of the last key before a time, and the fraction of the interval to the next key.
 TEST(Poses, KeysOfVertices)
 {
     GeometryTables tables;

@@ -18,11 +18,11 @@
 #include "geometry/displacement/subdivision.h"
 #include "geometry/displacement/texture_detail.h"
 
-// Surfaces that are moved along their normals: against the forms that they must take, and looked at for gaps.
+// Displacement along normals: expected shapes, and no gaps.
 namespace fathom {
 namespace {
 
-/// A picture of one channel, as a file that is removed at the end.
+/// A one-channel image file that is removed at the end.
 class HeightFile {
 public:
     HeightFile(int width, int height, const std::function<double(double, double)>& value)
@@ -50,7 +50,7 @@ HeightFile random_heights(int size)
     return HeightFile(size, size, [&](double, double) { return std::uniform_real_distribution<double>(0, 1)(random); });
 }
 
-/// A material that displaces by a number, or by a picture times it.
+/// A material with a constant displacement, or a texture times a constant.
 Material displacing(float height, int texture = -1)
 {
     Material m;
@@ -105,7 +105,7 @@ struct TestScene {
     }
 };
 
-/// The triangles of a compiled scene, in the world; parallelograms as the two that were joined.
+/// World-space triangles of a compiled scene; a quad gives the two triangles it was joined from.
 std::vector<std::array<Vec3d, 3>> triangles_of(const Scene& scene)
 {
     const SceneTables& t = *scene.data().tables;
@@ -121,7 +121,7 @@ std::vector<std::array<Vec3d, 3>> triangles_of(const Scene& scene)
     return triangles;
 }
 
-/// Edges that no other triangle runs along the other way.
+/// Number of edges without a neighboring triangle that runs along them in the opposite direction.
 std::size_t open_edges(const std::vector<std::array<Vec3d, 3>>& triangles)
 {
     const auto key = [](Vec3d p) { return std::tuple(p.x + 0.0, p.y + 0.0, p.z + 0.0); };
@@ -148,14 +148,14 @@ Image rendered(const Scene& scene, std::vector<Aov> aovs, int size = 3, std::uin
     return film.image(false, false);
 }
 
-/// A ball of rings and sectors with a seam, and a vertex for each sector at the poles.
+/// A sphere of rings and sectors with a seam in its texture coordinates and one vertex per sector at the poles.
 Mesh ball(double radius, int rings, int sectors)
 {
     Mesh mesh;
     for (int j = 0; j <= rings; ++j)
         for (int i = 0; i <= sectors; ++i) {
             const double phi = 2 * std::numbers::pi * (i % sectors) / sectors, theta = std::numbers::pi * j / rings;
-            // Of the poles' sine nothing may be left, or they would be many places.
+            // The sine is exactly 0 at the poles; otherwise their vertices would have different positions.
             const double sine = j % rings == 0 ? 0 : std::sin(theta);
             const Vec3d n{sine * std::cos(phi), std::cos(theta), -sine * std::sin(phi)};
             mesh.positions.push_back({float(radius * n.x), float(radius * n.y), float(radius * n.z)});
@@ -182,7 +182,7 @@ TEST(Displacement, ANumberLiftsAPlane)
         s.add(unit_square, s.add_material(m));
         const Image image = rendered(s.compiled(), {Aov::depth});
         const double expected = 5 - 0.5 * (1 - double(midlevel));
-        // At the middle pixel, whose rays go up to 0.01 beside the axis.
+        // Rays of the middle pixel deviate by up to 0.01 from the axis.
         EXPECT_NEAR(image.find("depth")->pixels.at(4), expected, 3e-4);
         const Bounds bounds = world_bounds(s.d);
         EXPECT_NEAR(bounds.min.z, 5 - expected, 1e-12);
@@ -229,7 +229,7 @@ TEST(Displacement, ARampTiltsAPlane)
         else
             s.add(unit_square, material);
         const Scene scene = s.compiled();
-        // As fine as the texels.
+        // The subdivision matches the texel size.
         EXPECT_EQ(scene.data().tables->triangle_count(), 2u * 64 * 64);
         const Image image = rendered(scene, {Aov::depth, Aov::normal}, 3, 64);
         EXPECT_NEAR(image.find("depth")->pixels.at(4), 5 - 0.5 * (0.75 * 0.5 + 0.25 * 0.5), 2e-3);
@@ -242,7 +242,7 @@ TEST(Displacement, ARampTiltsAPlane)
     }
 }
 
-/// Of a picture of 64 by 32 texels whose coordinates are those of the place, in a space of half the size.
+/// Subdivision for a 64 x 32 texture that is mapped by position, in a texture space of half the size.
 TEST(Displacement, DetailFollowsMappingsByPlace)
 {
     Mesh mesh;
@@ -260,10 +260,10 @@ TEST(Displacement, DetailFollowsMappingsByPlace)
     };
     EXPECT_NEAR(parts(TextureMapping::planar, 0, 1), 64, 1e-6);
     EXPECT_NEAR(parts(TextureMapping::cylindrical, 0, 1), 0.75 * 32, 1e-6);
-    // Across the seam of the angle.
+    // Across the seam of the azimuth.
     EXPECT_NEAR(parts(TextureMapping::cylindrical, 2, 3), 64 * std::atan(0.1) / std::numbers::pi, 1e-4);
     EXPECT_NEAR(parts(TextureMapping::spherical, 0, 4), 16, 1e-6);
-    // What is computed in space is as much finer.
+    // A 3D texture in the smaller space needs a finer subdivision.
     TextureRecord noise;
     noise.kind = std::uint32_t(TextureKind::fbm), noise.octaves = 1;
     tables.textures = {noise};
@@ -291,13 +291,13 @@ TEST(Displacement, NothingGapesAtHardEdgesAndSeams)
     TestScene sphere;
     sphere.add(Sphere{{0, 0, 0}, 1, {}}, sphere.add_material(displacing(0.1f, sphere.add_picture(heights))));
     EXPECT_EQ(open_edges(triangles_of(sphere.compiled())), 0u);
-    // An open border remains one, of as many parts as its edges are cut into, and each of them once.
+    // An open border stays one, with each part of its divided edges exactly once.
     TestScene open;
     open.add(unit_square, open.add_material(displacing(0.05f, open.add_picture(heights))));
     EXPECT_EQ(open_edges(triangles_of(open.compiled())), 4u * 16);
 }
 
-/// What is within a closed shape sees nothing of the light outside.
+/// No light from outside enters a closed shape.
 TEST(Displacement, AClosedBoxLetsNoLightIn)
 {
     const HeightFile heights = random_heights(32);
@@ -313,7 +313,7 @@ TEST(Displacement, AClosedBoxLetsNoLightIn)
     for (const float value : image.layers[0].pixels) ASSERT_EQ(value, 0);
 }
 
-/// Whatever edges are cut into: all parts of a triangle lie in it, face as it does, and cover it.
+/// For any subdivision of the edges, the parts of a triangle lie in it, keep its orientation and cover it.
 TEST(Displacement, TrianglesAreCutIntoTheirParts)
 {
     std::mt19937 random(3);
@@ -345,7 +345,7 @@ TEST(Displacement, TrianglesAreCutIntoTheirParts)
         EXPECT_NEAR(area, 6, 1e-9);
         EXPECT_EQ(double(indices.size() / 3), Subdivision::size(mesh, welded, exponents).triangles);
         EXPECT_EQ(double(places.size()), Subdivision::size(mesh, welded, exponents).vertices);
-        // Of the outer edges all parts are there, once.
+        // All parts of the outer edges occur exactly once.
         std::size_t once = 0, expected = 0;
         for (const auto& [edge, times] : edges) {
             ASSERT_LE(times, 2);
@@ -357,7 +357,7 @@ TEST(Displacement, TrianglesAreCutIntoTheirParts)
     }
 }
 
-/// Of a bent strip that looks smooth, and of one that looks like two planes.
+/// A bent strip with smooth shading, and one with a hard edge.
 TEST(Displacement, HardEdgesStayHardAndSmoothOnesSmooth)
 {
     for (const bool smooth : {false, true}) {
@@ -378,9 +378,10 @@ TEST(Displacement, HardEdgesStayHardAndSmoothOnesSmooth)
             EXPECT_NEAR(length(n), 1, 1e-6);
             if (std::abs(p.x) > 1e-6) continue;
             ++ridge;
-            // The ridge goes up by its mean normal, all of it; hard normals are those of the slopes beside it.
+            // The whole ridge moves along its mean normal; with a hard edge, shading normals are those of the adjacent
+            // slopes.
             EXPECT_NEAR(p.z, 1.125, 1e-6);
-            // At its ends there are more triangles on one side, which were not all moved alike.
+            // At the ends of the ridge one side has more triangles, which don't all move equally.
             if (smooth)
                 EXPECT_NEAR(n.z, 1, 1e-3);
             else
@@ -390,7 +391,7 @@ TEST(Displacement, HardEdgesStayHardAndSmoothOnesSmooth)
     }
 }
 
-/// Of two slopes, of which one is displaced, the other stays what it was up to the ridge, if that is hard.
+/// If only one of two slopes is displaced, the normals of the other stay unchanged up to a hard ridge.
 TEST(Displacement, WhatIsBeyondAHardEdgeIsNotBent)
 {
     Mesh mesh;
@@ -407,7 +408,7 @@ TEST(Displacement, WhatIsBeyondAHardEdgeIsNotBent)
     for (std::size_t i = 0; i < fine.positions.size(); ++i) {
         const Vec3d p = to_double(fine.positions[i]), n = to_double(fine.normals[i]);
         if (std::abs(p.x) > 1e-6) continue;
-        // The right slope goes down by 1 on a way of sqrt(2), on which it is lifted by 1/2.
+        // The right slope descends by 1 over a distance of sqrt(2), along which the displacement rises by 1/2.
         const double turn = std::atan(0.5 * s);
         const bool is_left = n.x < 0;
         const double angle = is_left ? 0.75 * std::numbers::pi : 0.25 * std::numbers::pi + turn;
@@ -419,7 +420,7 @@ TEST(Displacement, WhatIsBeyondAHardEdgeIsNotBent)
     EXPECT_GE(right, 5);
 }
 
-/// Pictures may have any value from 0 to 1, whatever they are.
+/// Bounds assume that a texture may have any value from 0 to 1.
 TEST(Displacement, BoundsHoldWhatPicturesMayMove)
 {
     Material m = displacing(0.5f, 0);
@@ -455,7 +456,7 @@ TEST(Displacement, TheEdgeLengthIsKept)
     Material m = displacing(0.1f);
     m.displacement_edge_length = 0.3;
     s.add(unit_square, s.add_material(m));
-    // 4 parts an edge; of the diagonal, which is longer than 4 times that, 8: so the triangles have 8 along it.
+    // Edges get 4 parts, the diagonal 8 because it is longer than 4 times the edge length.
     const auto triangles = triangles_of(s.compiled());
     double longest = 0;
     for (const auto& t : triangles)
@@ -480,7 +481,7 @@ TEST(Displacement, TooManyTrianglesAreFewerAndTold)
     EXPECT_EQ(displaced.mesh.indices.size() / 3, 2048u * 2048);
 }
 
-/// Of one mesh under two materials, each is what it would be alone.
+/// A mesh with two materials gets the displacement of each, as if it were alone.
 TEST(Displacement, InstancesHaveWhatTheirMaterialsSay)
 {
     TestScene s;
@@ -522,7 +523,7 @@ TEST(Displacement, MovingVerticesAreMovedAtEachKey)
     mesh.normals.assign(3, {0, 0, 1});
     mesh.indices = {0, 1, 2};
     mesh.motion.push_back({0, mesh.positions, mesh.normals});
-    // Turned by then, so that it faces along +x.
+    // At the second key the triangle is rotated to face +x.
     mesh.motion.push_back({1, {{0, 0, 0}, {0, 1, 0}, {0, 0, 1}}, std::vector<Vec3f>(3, {1, 0, 0})});
     s.d.cameras[0].shutter_close = 1;
     s.add_mesh(mesh, s.add_material(displacing(0.5f)));
@@ -536,7 +537,7 @@ TEST(Displacement, MovingVerticesAreMovedAtEachKey)
     }
 }
 
-/// A lamp that a ramp tilts lights as one that was tilted.
+/// An emissive surface tilted by displacement illuminates like one that was built tilted.
 TEST(Displacement, LampsShineFromWhereTheyAre)
 {
     const HeightFile ramp(16, 16, [](double u, double) { return u; });
@@ -547,7 +548,7 @@ TEST(Displacement, LampsShineFromWhereTheyAre)
         lamp.emission.value = {5, 5, 5};
         if (displaced) lamp.displacement = {0.5f, s.add_picture(ramp), 0};
         const int shining = s.add_material(lamp);
-        // Before the middle of the first texel and after that of the last the picture is level.
+        // The image is constant before the center of the first texel and after that of the last.
         const auto height = [](int i) { return 1 - 0.5 * std::clamp(i / 16.0, 1 / 32.0, 31 / 32.0); };
         if (displaced) s.add(Rectangle{{-1, -1, 1}, {0, 2, 0}, {2, 0, 0}}, shining);
         for (int i = 0; !displaced && i < 16; ++i)

@@ -9,14 +9,14 @@
 #include "fathom/image.h"
 #include "fathom/render.h"
 
-// A picture of heights bends normals as the surface of those heights would.
+// Bump maps bend normals like the surface with these heights.
 namespace fathom {
 namespace {
 
 constexpr int size = 64;
 
-/// A square of albedo 0.5 from (0, 0, 0) to (1, 1, 0) with a picture of heights on it, seen from above its middle and
-/// lit by a sun; returns what its middle looks like.
+/// Radiance at the center of the square from (0, 0, 0) to (1, 1, 0) with albedo 0.5 and a height map, seen from above
+/// under a directional light.
 double seen(const std::function<double(double, double)>& height, float scale, Vec3d to_sun)
 {
     const std::filesystem::path file =
@@ -47,7 +47,7 @@ double seen(const std::function<double(double, double)>& height, float scale, Ve
     scene.lights.resize(1);
     scene.lights[0].kind = LightKind::directional;
     scene.lights[0].intensity = {1, 1, 1};
-    // Lights shine along -z of their node.
+    // Lights emit along -z of their node.
     const Vec3d z = normalize(to_sun), x = normalize(cross({0.1, 1, 0}, z)), y = cross(z, x);
     scene.nodes[1].parent_from_node.m = {{{x.x, y.x, z.x, 0}, {x.y, y.y, z.y, 0}, {x.z, y.z, z.z, 0}}};
     scene.nodes[1].light = 0;
@@ -66,7 +66,7 @@ double seen(const std::function<double(double, double)>& height, float scale, Ve
     return image.layers[0].pixels.at(3 * 4);
 }
 
-/// Lambert's law for the surface z = scale * height, whose slopes are given.
+/// Lambertian reflection of the surface z = scale * height with the given slopes.
 double expected(double slope_x, double slope_y, Vec3d to_sun)
 {
     return 0.5 / std::numbers::pi * dot(normalize(Vec3d{-slope_x, -slope_y, 1}), normalize(to_sun));
@@ -79,7 +79,7 @@ TEST(HeightMap, BendsNormalsAsASurfaceOfThoseHeights)
     const auto both = [](double u, double v) { return 0.5 * u - 0.25 * v; };
     for (const Vec3d sun : {Vec3d{0, 0, 1}, Vec3d{1, 0, 1}, Vec3d{0, 1, 1}, Vec3d{-1, 0.5, 2}}) {
         EXPECT_NEAR(seen(along_u, 0.5f, sun), expected(0.5, 0, sun), 1e-4);
-        // Pictures hang upright on rectangles: v grows downwards.
+        // Images are upright on rectangles: v grows downwards.
         EXPECT_NEAR(seen(along_v, 0.5f, sun), expected(0, -0.5, sun), 1e-4);
         EXPECT_NEAR(seen(both, 0.8f, sun), expected(0.4, 0.2, sun), 1e-4);
     }

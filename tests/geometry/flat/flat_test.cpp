@@ -5,8 +5,8 @@
 #include "geometry/bvh/plain.h"
 #include "geometry/bvh/rays_and_scenes.h"
 
-// Scenes that are traced as a list: boxes that were squares, and shadows without what can't block any, against all
-// shapes in turn in double.
+// Flat scenes, traced as lists: merged boxes, and shadow lists without shapes that can't block a ray, against
+// double-precision brute force.
 namespace fathom {
 namespace {
 
@@ -55,8 +55,8 @@ void add_box(GeometryTables& tables, Vec3f lo, Vec3f hi, int faces)
 
 constexpr int oriented_boxes = 3;
 
-/// A parallelepiped of which some faces are missing, from one opposite to another on. Which corner a face begins at,
-/// and which of its edges is the first, is left to chance.
+/// A parallelepiped with the given number of faces, opposite pairs first. The corner and edge order of each face is
+/// random.
 void add_turned_box(GeometryTables& tables, Random& random, Vec3f origin, const Vec3f (&edges)[3], int faces)
 {
     for (int i = 0; i < faces; ++i) {
@@ -69,8 +69,7 @@ void add_turned_box(GeometryTables& tables, Random& random, Vec3f origin, const 
     }
 }
 
-/// A room (open to one side, or closed), boxes, also turned and slanted ones, single squares, slanted parallelograms,
-/// triangles, round things.
+/// A room (closed or open on one side) with boxes, oriented and sheared boxes, quads, triangles and curved shapes.
 GeometryTables room(std::uint64_t seed, int faces, bool round)
 {
     Random random(seed);
@@ -137,7 +136,7 @@ TEST(Flat, NearestHits)
                     return nearest(tables, plain::wide(o), plain::wide(d), time, grow);
                 };
                 const Found larger = plain(1e-4), smaller = plain(-1e-4);
-                // Not where an edge or the origin's own surface decides.
+                // Skip rays whose result depends on an edge or on the surface at the origin.
                 if (larger.primitive != smaller.primitive || larger.t < 1e-3) continue;
                 const Hit hit = flat.closest(tables, {Vec3(o), Vec3(d), Float(infinity), Float(time)});
                 ASSERT_EQ(lane(hit.primitive, 0), larger.primitive) << faces << " " << seed << " " << i;
@@ -147,13 +146,13 @@ TEST(Flat, NearestHits)
                 ++checked;
             }
             EXPECT_GT(checked, 1500);
-            // Every shape takes part, but for one or the other that is hidden.
+            // Every shape is hit, except up to three that are hidden.
             EXPECT_LE(std::count(times_hit.begin(), times_hit.end(), 0u), 3);
         }
 }
 
-/// Shadows between points of the scene and towards lights in it: what stands on its hull was left out, and that never
-/// shows. Towards infinity nothing is left out.
+/// Shadow rays between points in the scene and to lights in it: shapes on the convex hull are omitted without any
+/// effect. Rays to infinity test every shape.
 TEST(Flat, Shadows)
 {
     for (const int faces : {6, 5, 3})
@@ -161,7 +160,7 @@ TEST(Flat, Shadows)
             for (const std::uint64_t seed : {1, 2, 3}) {
                 const GeometryTables tables = room(seed, faces, seed == 3);
                 ShadowTargets targets;
-                // One of the lights stands outside the room, unless what is outside is infinitely far away.
+                // One light is outside the room, unless the outside targets are at infinity.
                 targets.places = {{0.5f, 3.5f, 0.5f}, {-3, 1, 2}, {0, infinite ? 2.0f : 6.0f, 0}};
                 targets.infinite = infinite;
                 FlatScene flat;
@@ -169,7 +168,7 @@ TEST(Flat, Shadows)
                 Random random(seed + 200);
                 int blocked = 0, clear = 0;
                 for (int i = 0; i < 6000; ++i) {
-                    // From a surface, where rays begin.
+                    // Start points lie on surfaces.
                     const Vec3f from = random.point(4);
                     const Vec3f away = random.direction();
                     const float time = random.uniform();
@@ -203,7 +202,7 @@ TEST(Flat, Shadows)
             }
 }
 
-/// Which parallelograms become a turned box: with four faces or more, two of them opposite to each other.
+/// Parallelograms that become an oriented box: four or more faces, two of them opposite.
 TEST(Flat, TurnedBoxes)
 {
     const Vec3f edges[3] = {{1, 0.5f, 0}, {-0.5f, 1, 0.2f}, {0, 0.3f, 1}};
@@ -223,7 +222,7 @@ TEST(Flat, TurnedBoxes)
     EXPECT_EQ(found({1, 2, 3, 4}), 1u);
     EXPECT_EQ(found({0, 1, 2}), 0u);
     EXPECT_EQ(found({1, 3, 5}), 0u);
-    // Six that are no box: two lie side by side.
+    // Six parallelograms that form no box because two are side by side.
     GeometryTables tables = empty_tables();
     for (int i = 0; i < 6; ++i) tables.quads.push_back({{float(i), float(i), 0}, {1, 1, 0}, {-1, 1, 0}});
     finish(tables);
@@ -232,13 +231,13 @@ TEST(Flat, TurnedBoxes)
     EXPECT_TRUE(flat.all.oriented_boxes.empty());
 }
 
-/// The only lamp, a square that is no part of the hull, blocks no ray that ends on it.
+/// The only light, a quad not on the hull, blocks no shadow ray that ends on it.
 TEST(Flat, TheOnlyLampIsNoObstacle)
 {
     GeometryTables tables = empty_tables();
     add_box(tables, {-4, -4, -4}, {4, 4, 4}, 6);
     tables.quads.push_back({{-1, 3, -1}, {2, 0, 0}, {0, 0, 2}});
-    tables.quads.push_back({{0, 1, -1}, {1, 0, 0}, {0, 0, 2}});  // between it and one half of the floor
+    tables.quads.push_back({{0, 1, -1}, {1, 0, 0}, {0, 0, 2}});  // between the light and one half of the floor
     finish(tables);
     ShadowTargets targets;
     targets.places = {{-1, 3, -1}};
@@ -252,7 +251,7 @@ TEST(Flat, TheOnlyLampIsNoObstacle)
     }
 }
 
-/// What is a list and what is a tree.
+/// Scenes that are traced as a list, and scenes that need a BVH.
 TEST(Flat, Fits)
 {
     GeometryTables tables = empty_tables();

@@ -11,7 +11,7 @@ Vec4f point_with(Vec3f p, float radius)
     return {p.x, p.y, p.z, radius};
 }
 
-/// Curves of all kinds, in the world: shape 0 round and cubic, 1 ribbons, 2 round lines, 3 ribbons of lines; and balls.
+/// World-space curves: shape 0 round cubic, 1 cubic ribbons, 2 round linear, 3 linear ribbons; and points.
 GeometryTables curves(std::size_t n, float radius, float size, float thickness, Vec3f offset = {})
 {
     Random random(n + 100);
@@ -55,7 +55,7 @@ TEST(Curves, degenerate)
 {
     GeometryTables tables = curves(40, 10, 3, 0.5f);
     Random random(3);
-    // Points instead of curves, no radius, radii that go to nothing, one ball within the other, a hairpin.
+    // Curves that are points, zero radii, radii that vanish, one sphere inside the other, and a hairpin.
     for (std::size_t i = 0; i < 160; i += 4) {
         Vec4f* p = &tables.curve_points[i];
         switch (i / 4 % 5) {
@@ -94,11 +94,11 @@ TEST(Curves, not_finite)
     tables.curve_points[5].y = std::numeric_limits<float>::quiet_NaN();
     tables.points[2].w = std::numeric_limits<float>::infinity();
     bvh.build(tables);
-    // The first piece of the broken segment begins at its first point, and is broken too, as the last is.
+    // The first piece of the broken segment starts at its first point and is invalid too, like the last one.
     EXPECT_EQ(bvh.statistics().leaf_primitives, whole.statistics().leaf_primitives - pieces - 1);
 }
 
-/// Puts the five shapes of 30 primitives each into the world by instances, of which some move.
+/// Instances the five shapes of 30 primitives each; some instances move.
 void place(GeometryTables& tables)
 {
     std::uint32_t first = tables.first_curve();
@@ -138,8 +138,7 @@ TEST(Curves, placed_and_moving)
     compare_with_force(tables, 20, 5'000, "placed");
 }
 
-/// The same whose control points go from place to place and change their radii, but for those of the shapes that stand
-/// still (a bit each).
+/// Curves with moving control points and radii; bit i of still makes shape i static.
 GeometryTables moving_curves(GeometryTables tables, std::vector<float> times, float way, float thickness,
                              std::uint32_t still = 0)
 {
@@ -187,7 +186,7 @@ TEST(MovingCurves, against_force)
                        2'000, "far away");
 }
 
-/// What the tables are at one time, with nothing that moves.
+/// The tables at one time, without motion.
 GeometryTables stopped(const GeometryTables& tables, double time)
 {
     GeometryTables still = tables;
@@ -212,7 +211,7 @@ GeometryTables stopped(const GeometryTables& tables, double time)
     return still;
 }
 
-/// Chains of segments that share points, round: shape 0 cubic, 2 lines.
+/// Chains of segments with shared points, round: shape 0 cubic, shape 2 linear.
 GeometryTables chains(std::size_t n)
 {
     Random random(n);
@@ -235,8 +234,8 @@ GeometryTables chains(std::size_t n)
     return tables;
 }
 
-/// At each time curves that move are where curves are whose control points stand in between those of the keys: of all
-/// kinds, and round ones as solids.
+/// At each time, moving curves equal static curves with interpolated control points, for all kinds, also round curves
+/// as solids.
 TEST(MovingCurves, are_curves_of_points_in_between)
 {
     GeometryTables all = moving_curves(curves(60, 10, 6, 0.6f), {0, 0.375f, 1}, 4, 0.6f);
@@ -258,7 +257,7 @@ TEST(MovingCurves, are_curves_of_points_in_between)
                 if (then.primitive[i] == no_index && now.primitive[i] == no_index) continue;
                 ++hits;
                 const float near = std::abs(then.t[i] - now.t[i]);
-                // Rays that graze, or begin on a surface, may be decided either way.
+                // Grazing rays and rays that start on a surface may go either way.
                 other += then.primitive[i] != now.primitive[i] || !(near <= 1e-3f * (1 + now.t[i])) ||
                          std::abs(then.u[i] - now.u[i]) > 0.01f;
             }
@@ -278,7 +277,7 @@ TEST(MovingCurves, placed_by_what_moves)
 TEST(MovingCurves, degenerate_and_not_finite)
 {
     GeometryTables tables = moving_curves(curves(10, 1, 1, 0.5f), {0, 1}, 0.5f, 0.5f);
-    // That which has no radius at first and at last, at first, at last; and one that is a point at first.
+    // Zero radius at both keys, at the first, at the last; and a curve that is a point at the first key.
     const std::uint32_t n = tables.shapes[0].moving_vertices;
     Vec4f* const p = tables.curve_points.data();
     for (std::size_t k = 0; k < 4; ++k) {
@@ -293,7 +292,7 @@ TEST(MovingCurves, degenerate_and_not_finite)
     EXPECT_EQ(bvh.statistics().leaf_primitives, whole.statistics().leaf_primitives - tables.curves[1].pieces);
 }
 
-/// Boxes that move hold what they should and little else.
+/// Motion bounds contain the moving curves and are tight.
 TEST(MovingCurves, boxes_follow)
 {
     const GeometryTables tables = curves(2'000, 100, 5, 0.5f);
@@ -309,7 +308,7 @@ TEST(MovingCurves, boxes_follow)
     GeometryTables still = flying;
     still.vertex_times.clear();
     for (ShapeRecord& shape : still.shapes) shape.moving_vertices = 0;
-    // Balls don't fly with the curves.
+    // The points would not move, so they are removed.
     flying.points.clear(), still.points.clear();
     flying.shape_of_primitive.resize(flying.primitive_count()),
         still.shape_of_primitive.resize(still.primitive_count());
@@ -319,7 +318,7 @@ TEST(MovingCurves, boxes_follow)
     EXPECT_LT(b.statistics().cost, 1.02 * a.statistics().cost);
 }
 
-/// One ray against one piece.
+/// Result of one ray against one curve piece.
 struct Met {
     bool hit;
     float t, w;
@@ -336,7 +335,7 @@ Met meet_one(Vec3f a, float ra, Vec3f b, float rb, Vec3f o, Vec3f d, bool ribbon
     return {(mask_bits(m) & 1) != 0, ts[0], ws[0]};
 }
 
-/// Steps along the ray from ball to ball of the swept solid: where it is first inside, found in double by bisection.
+/// Sphere tracing of the swept solid in double precision: first distance inside, refined by bisection.
 double march(Vec3f a, float ra, Vec3f b, float rb, Vec3f o, Vec3f d, double far)
 {
     const auto outside = [&](double t) {
@@ -349,9 +348,9 @@ double march(Vec3f a, float ra, Vec3f b, float rb, Vec3f o, Vec3f d, double far)
         for (int i = 0; i < 3; ++i) d2 += (p[i] - w * e[i]) * (p[i] - w * e[i]);
         return std::sqrt(d2) - (ra + w * g);
     };
-    if (outside(0) <= 0) return -1;  // begins inside
+    if (outside(0) <= 0) return -1;  // starts inside
     for (double t = 0; t < far;) {
-        // No less than the distance, but not much more.
+        // A step below the true distance, but not by much.
         const double next = t + std::max(0.2 * outside(t), 1e-5);
         if (outside(next) <= 0) {
             double low = t, high = next;
@@ -377,14 +376,15 @@ TEST(Curves, round_pieces_are_swept_balls)
         const double expected = march(a, ra, b, rb, o, d, 12);
         if (expected < 0) continue;
         const Met met = meet_one(a, ra, b, rb, o, d, false);
-        // Rays that graze may be decided either way.
+        // Grazing rays may go either way.
         if (met.hit != (expected < 12)) {
             ++unsure;
             continue;
         }
         if (!met.hit) continue;
         ++hits;
-        EXPECT_NEAR(met.t, expected, 2e-3) << i;  // where it grazes; below, how far from the surface
+        // distance is inexact at grazing angles; below, the distance from the surface
+        EXPECT_NEAR(met.t, expected, 2e-3) << i;
         const double w = met.w, g = double(rb) - ra;
         double d2 = 0;
         const float as[3] = {a.x, a.y, a.z}, bs[3] = {b.x, b.y, b.z}, os[3] = {o.x, o.y, o.z}, ds[3] = {d.x, d.y, d.z};
@@ -398,7 +398,7 @@ TEST(Curves, round_pieces_are_swept_balls)
     EXPECT_LT(unsure, 20);
 }
 
-/// Parallel rays onto a ribbon hit a share of them that its area seen from there gives, wherever it points.
+/// The share of parallel rays that hit a ribbon gives its projected area for any orientation.
 TEST(Curves, area_of_ribbons_and_capsules)
 {
     Random random(5);

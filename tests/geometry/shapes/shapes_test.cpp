@@ -29,7 +29,7 @@ Hit no_hit(const Ray& ray)
     return {ray.t_max, UInt(no_index), UInt(no_index), Float(0), Float(0)};
 }
 
-/// Cases in which a shape a little larger and one a little smaller say the same.
+/// Only rays for which a slightly larger and a slightly smaller triangle agree.
 TEST(Shapes, TrianglesInDouble)
 {
     Random random(1);
@@ -56,8 +56,8 @@ TEST(Shapes, TrianglesInDouble)
     EXPECT_GT(hits, 1000);
 }
 
-/// Whether a triangle is met before the ray's end is told by a division and without one alike: triangles of both turns,
-/// on both sides of the origin, rays that end anywhere and nowhere.
+/// The division-free test whether a triangle is hit before the ray's end agrees with the division: both windings, in
+/// front of and behind the origin, any ray length.
 TEST(Shapes, TrianglesStopRaysWithoutADivision)
 {
     Random random(3);
@@ -90,18 +90,18 @@ TEST(Shapes, TrianglesStopRaysWithoutADivision)
     for (const int n : {before, beyond, behind, of_either_turn[0], of_either_turn[1]}) EXPECT_GT(n, 500);
 }
 
-/// Triangles without area, as the ray sees them, stop none: the sum of their weights is 0.
+/// Triangles that have no area as seen along the ray are never hit: the sum of their edge functions is 0.
 TEST(Shapes, TrianglesWithoutAreaStopNoRay)
 {
     const Ray ray = ray_of({0, 0, 0}, {0, 0, 1});
     const TriangleRay along(ray);
     const Vec3f triangles[][3] = {
         {{0, 0, 1}, {0, 0, 1}, {0, 0, 1}},             // a point on the ray
-        {{-1, -1, 1}, {1, 1, 1}, {1, 1, 1}},           // a segment across it
-        {{-1, 0, 1}, {1, 0, 1}, {0, 0, 1}},            // three corners in a line
-        {{0, -1, 1}, {0, 1, 1}, {0, 0, 3}},            // seen from its edge
-        {{0, 0, -1}, {0, 0, 1}, {0, 0, 2}},            // along it
-        {{-1e-30f, 0, 1}, {1e-30f, 0, 1}, {0, 0, 1}},  // the weights are too small for a number
+        {{-1, -1, 1}, {1, 1, 1}, {1, 1, 1}},           // a segment across the ray
+        {{-1, 0, 1}, {1, 0, 1}, {0, 0, 1}},            // three collinear vertices
+        {{0, -1, 1}, {0, 1, 1}, {0, 0, 3}},            // seen edge-on
+        {{0, 0, -1}, {0, 0, 1}, {0, 0, 2}},            // a segment along the ray
+        {{-1e-30f, 0, 1}, {1e-30f, 0, 1}, {0, 0, 1}},  // edge functions underflow
         {{-1e-30f, 0, 1}, {1e-30f, 0, 1}, {0, 1e-30f, 1}},
     };
     for (const auto& v : triangles) {
@@ -118,12 +118,12 @@ TEST(Shapes, TrianglesWithoutAreaStopNoRay)
     }
 }
 
-/// On an edge or corner that triangles share, in either order the one of the lowest number is hit, at the same place.
+/// On a shared edge or vertex the triangle with the lowest index is hit at the same place, in either order.
 TEST(Shapes, SharedEdgesBelongToTheLowestNumber)
 {
     const Vec3f corner[4] = {{0, 0, 1}, {1, 0, 1}, {1, 1, 1}, {0, 1, 1}};
     const int triangles[2][3] = {{0, 1, 2}, {0, 2, 3}};
-    // Points of the diagonal, whose coordinates are exact; straight along z, and from a corner of the space.
+    // Points on the diagonal, which are exact; rays along z and from a corner.
     for (const float x : {0.0f, 0.25f, 0.5f, 0.75f, 1.0f})
         for (const Vec3f& o : {Vec3f{x, x, 0}, {0, 0, 0}, {x, x, 3}})
             for (const bool swapped : {false, true}) {
@@ -139,7 +139,7 @@ TEST(Shapes, SharedEdgesBelongToTheLowestNumber)
             }
 }
 
-/// The nearest of two, whatever the order, and nothing beyond the ray's end or behind its origin.
+/// The nearest of two hits counts in either order; nothing beyond the ray's end or behind its origin.
 TEST(Shapes, TheNearestCounts)
 {
     const auto triangle_at = [](float z) { return std::array{Vec3f{-1, -1, z}, Vec3f{2, -1, z}, Vec3f{-1, 2, z}}; };
@@ -153,7 +153,7 @@ TEST(Shapes, TheNearestCounts)
                 Hit hit = no_hit(ray);
                 for (int k : {swapped ? 1 : 0, swapped ? 0 : 1}) {
                     const float z = float(k + 1);
-                    const std::uint32_t number = k == 0 ? 9 : 4;  // the nearer has the higher number
+                    const std::uint32_t number = k == 0 ? 9 : 4;  // the nearer shape has the higher index
                     if (kind == 0) {
                         const auto v = triangle_at(z);
                         closest_triangle(TriangleRay(ray), Vec3(v[0]), Vec3(v[1]), Vec3(v[2]), UInt(number), hit);
@@ -175,7 +175,7 @@ TEST(Shapes, TheNearestCounts)
             }
 }
 
-/// Of shapes as near as each other the one of the lowest number, in either order.
+/// Among shapes at equal distance the one with the lowest index is hit, in either order.
 TEST(Shapes, RoundOnesInTheSamePlace)
 {
     SphereRecord sphere;
@@ -233,7 +233,7 @@ TEST(Shapes, SpheresAndDisksInDouble)
     EXPECT_GT(inside, 100);
 }
 
-/// A small sphere far away is met to a hundredth of its radius.
+/// A small distant sphere is hit with an error of at most a hundredth of its radius.
 TEST(Shapes, AFarSmallSphere)
 {
     SphereRecord sphere;
@@ -247,7 +247,7 @@ TEST(Shapes, AFarSmallSphere)
     }
 }
 
-/// More than rounding, and next to nothing: of what is added up, only what lies along the normal counts.
+/// The bound exceeds the rounding error but not by much, and only displacement along the normal counts.
 TEST(Shapes, RoundingAlongTheNormal)
 {
     for (const float size : {1e-3f, 1.f, 1000.f}) {

@@ -6,14 +6,13 @@
 #include "fathom/error.h"
 #include "image/pictures.h"
 
-// Files that libavif makes without our writer, and our writer beside that of PNG.
+// AVIF files that libavif writes directly, and our AVIF writer compared with our PNG writer.
 namespace fathom {
 namespace {
 
 using Planes = std::unique_ptr<avifImage, decltype(&avifImageDestroy)>;
 
-/// A picture whose planes are green, blue and red themselves, or one of grey; `code(x, y, channel)` fills it, alpha is
-/// channel 3.
+/// An image whose planes are green, blue and red, or a gray one, with values code(x, y, channel); alpha is channel 3.
 template <class Code>
 Planes made_planes(int width, int height, int bits, avifPixelFormat format, bool alpha, Code code)
 {
@@ -91,7 +90,7 @@ TEST(Avif, CodesOfEveryDepthAreKept)
             }
 }
 
-/// The greys of a picture of 3x2 that is cut, turned and mirrored as its file says.
+/// Gray values of a 3 x 2 image with the file's crop, rotation and mirroring.
 std::vector<int> grays(avifTransformFlags flags, int angle, std::uint8_t mirror, int bits)
 {
     const auto code = [](int x, int y, int) { return 1 + x + 3 * y; };
@@ -99,7 +98,8 @@ std::vector<int> grays(avifTransformFlags flags, int angle, std::uint8_t mirror,
     planes->transformFlags = flags;
     planes->irot.angle = std::uint8_t(angle);
     planes->imir = {mirror};
-    planes->clap = {2, 1, 2, 1, 1, 2, 0, 1};  // 2 of the 3 columns, their middle half a pixel right of the picture's
+    // crop to 2 of 3 columns, centered half a pixel right of the image's center
+    planes->clap = {2, 1, 2, 1, 1, 2, 0, 1};
     const Image image = read(file_of(planes));
     std::vector<int> codes = {image.width};
     for (std::size_t i = 0; i < image.layers[0].pixels.size(); i += 3)
@@ -161,7 +161,7 @@ TEST(Avif, IsWrittenLikePngAtTheBestQuality)
     }
 }
 
-/// The largest distance from the right codes, 0 to 1, in colours and in alpha.
+/// Largest error of color and alpha codes, 0 to 1.
 std::array<double, 2> errors_at(int quality)
 {
     Image image = test::made_image(64, 48, {"R", "G", "B", "A"});

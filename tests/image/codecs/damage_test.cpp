@@ -4,7 +4,7 @@
 #include "fathom/error.h"
 #include "image/pictures.h"
 
-// Files that end early or have wrong bytes in them: an Error, or a picture of their size, and never anything else.
+// Truncated or corrupted files give an Error or an image of the right size, never anything else.
 namespace fathom {
 namespace {
 
@@ -40,7 +40,7 @@ TEST(Damage, AFileCutAnywhereIsAnError)
     for (const Sample& sample : samples()) {
         const std::vector<char> whole = encoded(sample);
         ASSERT_NO_THROW(read_image(sample.file, whole.data(), whole.size()));
-        // Exactly sized copies, so that a sanitizer sees a byte read too far.
+        // Copies of exact size let a sanitizer detect reads beyond the end.
         const std::size_t step = whole.size() < 4000 ? 1 : 7;
         for (std::size_t size = 0; size + 2 < whole.size();
              size += size < 600 || size + 100 > whole.size() ? 1 : step) {
@@ -73,8 +73,8 @@ TEST(Damage, WrongBytesDoNotCrash)
 
 TEST(Damage, SizesBeyondMemoryAreRefused)
 {
-    // The width and height of a real file, replaced by 1,000,000 x 1,000,000 (PNG checks a sum over them, so that is
-    // HDR and EXR here, and PNM whose header is text).
+    // Width and height of a valid file replaced by 1,000,000; only HDR, EXR and PNM, because PNG has a checksum over
+    // them.
     const std::string pnm = "P6\n16000000 16000000\n255\n";
     EXPECT_THROW(read_image("a.ppm", pnm.data(), pnm.size()), Error);
     const std::string hdr = "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 16000000 +X 16000000\n\x02\x02";

@@ -1,4 +1,4 @@
-// EXR files as other programs write them, by the writers of OpenEXR.
+// EXR files as other programs write them, made with OpenEXR's writers.
 #include <ImfChannelList.h>
 #include <ImfFrameBuffer.h>
 #include <ImfMultiPartOutputFile.h>
@@ -21,7 +21,7 @@ namespace fathom {
 namespace {
 
 using test::TemporaryFolder;
-using Value = std::function<double(int x, int y)>;  ///< by the coordinates of the file
+using Value = std::function<double(int x, int y)>;  ///< value at pixel coordinates of the file
 
 struct Channel {
     Imf::PixelType type;
@@ -30,7 +30,7 @@ struct Channel {
 };
 using Channels = std::map<std::string, Channel>;
 
-/// Memory for the channels of a data window.
+/// Storage for the channels of a data window.
 class Buffer {
 public:
     Buffer(Imf::Header& header, const Channels& channels)
@@ -72,7 +72,7 @@ class ExrRead : public ::testing::Test {
 protected:
     std::string file() const { return (folder_.path() / "a.exr").string(); }
 
-    /// What is read of a file with these windows; half files have halves, which are widened from floats.
+    /// Image read back from a file with these windows; half channels are converted from floats.
     Image written(Imf::Header header, Channels channels)
     {
         for (auto& [name, channel] : channels)
@@ -102,7 +102,7 @@ float at(const Image& image, int x, int y, const std::string& channel)
 
 const Value x_of = [](int x, int) { return x; }, y_of = [](int, int y) { return y; }, one = [](int, int) { return 1; };
 
-/// Pixels stay where the display window has them: overscan is cut, and what is missing is black and clear.
+/// Pixels are placed by the display window: overscan is cropped and missing pixels are transparent black.
 TEST_F(ExrRead, DataWindowsLieWithinDisplayWindows)
 {
     const Imath::Box2i display[] = {box(0, 0, 7, 4), box(-3, 10, 4, 14), box(100, -20, 107, -16)};
@@ -132,7 +132,7 @@ TEST_F(ExrRead, DataWindowsLieWithinDisplayWindows)
         }
 }
 
-/// Colors are numbers whatever their type; other integers are ids.
+/// Color channels are converted to floats from any type; other integer channels are ids.
 TEST_F(ExrRead, IntegersAsColors)
 {
     const Imf::Header header(4, 3);
@@ -152,7 +152,7 @@ TEST_F(ExrRead, IntegersAsColors)
     EXPECT_EQ(at(gray, 2, 0, "Y"), 2);
 }
 
-/// The image is the layer without a name, one of a usual name, or the first one with colors.
+/// The image is the layer without a name, one with a common name, or the first one with color channels.
 TEST_F(ExrRead, LayersAndViews)
 {
     const Imf::Header header(4, 3);
@@ -200,8 +200,7 @@ TEST_F(ExrRead, Parts)
 
 const Imf::Chromaticities wide{{0.7f, 0.3f}, {0.2f, 0.75f}, {0.14f, 0.05f}, {0.32f, 0.33f}};
 
-/// The weights of luminance by SMPTE RP 177, worked out apart from OpenEXR for Rec.709 (BT.709: 0.2126, 0.7152,
-/// 0.0722).
+/// Luminance weights by SMPTE RP 177, computed independently of OpenEXR (BT.709: 0.2126, 0.7152, 0.0722).
 TEST_F(ExrRead, LuminanceWithFullChroma)
 {
     const double r = 0.8, g = 0.3, b = 0.1, y = 0.2126 * r + 0.7152 * g + 0.0722 * b;
@@ -215,7 +214,7 @@ TEST_F(ExrRead, LuminanceWithFullChroma)
     EXPECT_EQ(at(image, 2, 1, "A"), 0.5f);
 }
 
-/// As OpenEXR writes colors as luminance and chroma, with primaries of their own; what is smooth comes back.
+/// OpenEXR's luminance-chroma files with nonstandard primaries: smooth images are restored.
 TEST_F(ExrRead, LuminanceWithChromaAtHalf)
 {
     constexpr int width = 32, height = 24;

@@ -1,4 +1,4 @@
-// Radiance pictures and portable float maps, byte by byte.
+// Radiance HDR and portable float maps (PFM), byte by byte.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -29,7 +29,7 @@ std::string error_of(const std::string& bytes)
     return "read";
 }
 
-/// Runs of codes (r, g, 0, 128): (r / 256, g / 256, 0), of which r tells the run and g the pixel in it.
+/// Scanlines of codes (r, g, 0, 128): (r / 256, g / 256, 0), where r numbers the scanline and g the pixel in it.
 std::string hdr(const std::string& header, const std::string& resolution, int runs, int length)
 {
     std::string bytes = "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n" + header + "\n" + resolution + "\n";
@@ -39,7 +39,8 @@ std::string hdr(const std::string& header, const std::string& resolution, int ru
     return bytes;
 }
 
-/// The first axis is that of runs. X grows to the right, Y upwards: by the manual of Radiance's file formats.
+/// The first axis of the resolution line is that of scanlines; X grows to the right, Y upwards (Radiance file format
+/// manual).
 TEST(Hdr, EveryOrientation)
 {
     for (const bool columns : {false, true})
@@ -68,7 +69,7 @@ TEST(Hdr, EveryOrientation)
                   fmt::format("damaged HDR: expected a size as '-Y 600 +X 800', found '{}'", wrong));
 }
 
-/// All exposures and color corrections are multiplied; values are divided by the product, as the manual says.
+/// Values are divided by the product of all EXPOSURE and COLORCORR lines (Radiance file format manual).
 TEST(Hdr, ExposureIsDividedOut)
 {
     const auto first_pixel = [&](const std::string& header) {
@@ -105,7 +106,7 @@ std::string floats(const std::vector<float>& values, bool is_little_endian)
     return bytes;
 }
 
-/// Rows come from below; the sign of the scale is the order of bytes.
+/// Rows are stored bottom up; the sign of the scale gives the byte order.
 TEST(Pfm, RowsBytesAndScale)
 {
     const std::vector<float> color = {1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, -12};
@@ -128,7 +129,7 @@ TEST(Pfm, RowsBytesAndScale)
     EXPECT_EQ(four.layers.at(0).channels, (std::vector<std::string>{"R", "G", "B", "A"}));
 }
 
-/// A value may begin with the byte of a blank, and one blank ends the header.
+/// Exactly one blank ends the header: the first value may begin with the byte of a blank.
 TEST(Pfm, HeadersAsProgramsWriteThem)
 {
     const std::string first_is_newline = "\n\n\n\n" + floats({2}, true);

@@ -8,7 +8,7 @@
 #include "image/pictures.h"
 #include "support/memory_limit.h"
 
-// Files that are valid, or nearly so, and that nothing of ours writes.
+// Valid or nearly valid files of forms that our writers never produce.
 namespace fathom {
 namespace {
 
@@ -24,14 +24,14 @@ std::string error_of(const std::string& bytes)
     return "read";
 }
 
-/// Values as a file has them, lowest byte first.
+/// Value in little-endian byte order.
 template <class T>
 std::string raw(T value)
 {
     return {reinterpret_cast<const char*>(&value), sizeof value};
 }
 
-/// An OpenEXR file of 2x1 pixels with one channel of integers.
+/// An OpenEXR file of 2 x 1 pixels with one integer channel.
 std::string exr_of_integers()
 {
     const auto attribute = [](const std::string& name, const std::string& type, const std::string& value) {
@@ -57,7 +57,7 @@ TEST(Exr, WithoutAnythingButIntegersIsNoPicture)
 
 TEST(Exr, AttributesLongerThanTheFileAreNotBelieved)
 {
-    // The length of "compression" is that of two gigabytes of text.
+    // The declared length of the "compression" attribute is two gigabytes.
     std::string file = exr_of_integers();
     const std::string name = std::string("compression") + '\0' + "compression" + '\0';
     const std::size_t at = file.find(name);
@@ -69,8 +69,7 @@ TEST(Exr, AttributesLongerThanTheFileAreNotBelieved)
 
 TEST(Exr, AttributesThatReachIntoTheNextAreNotBelieved)
 {
-    // OpenEXR stops where a list of channels or a box ends, and takes what comes then for an attribute: of two
-    // gigabytes of text.
+    // OpenEXR ends a channel list or box early and parses the rest as an attribute, here a string of two gigabytes.
     const std::string zero(1, '\0'), text = "a" + zero + "string" + zero + raw(0x7ffffff0);
     const std::string good = exr_of_integers();
     for (const std::string& word : {"channels" + zero + "chlist" + zero, "dataWindow" + zero + "box2i" + zero}) {
@@ -86,7 +85,7 @@ TEST(Exr, AttributesThatReachIntoTheNextAreNotBelieved)
     }
 }
 
-/// A picture of one colour of a palette, which is packed as tightly as can be.
+/// A palette PNG of one color, which compresses extremely well.
 std::string png_of_one_colour(int side, int bits, int colour_type)
 {
     std::string bytes;
@@ -132,7 +131,7 @@ TEST(Pnm, NumbersThatWrapAroundAreRefused)
 {
     EXPECT_EQ(error_of("P6 2 2 255 abcdefghijkl"), "read");
     EXPECT_EQ(error_of("P6 #4294967298\n2 2 255 1234567890ab"), "read");
-    // Two wide, modulo 2^32.
+    // The width wraps around to 2 modulo 2^32.
     EXPECT_EQ(error_of("P6 4294967298 2 255 abcdefghijkl"), "damaged picture: a number of its header is too large");
     EXPECT_EQ(error_of("P6 2 2 4294967551 abcdefghijkl"), "damaged picture: a number of its header is too large");
 }

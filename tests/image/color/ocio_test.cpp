@@ -10,7 +10,7 @@
 #include "image/color/tonemap.h"
 #include "image/pictures.h"
 
-// Displays of small configurations whose values are known.
+// Displays of small OpenColorIO configurations with known values.
 namespace fathom {
 namespace {
 
@@ -31,7 +31,7 @@ constexpr const char* colors = R"(
     to_scene_reference: !<MatrixTransform> {matrix: [4, 0, 0, 0,  0, 4, 0, 0,  0, 0, 4, 0,  0, 0, 0, 1]}
 )";
 
-/// A configuration whose reference is called `input`, also by roles.
+/// A configuration with the reference space `input`, also assigned to the given roles.
 std::string configuration(const std::string& input, const std::string& roles = "")
 {
     std::string spaces = colors;
@@ -144,7 +144,7 @@ TEST_F(Ocio, InputIsFoundOrNamed)
     expect_codes({0.125f, 0.0625f, 0.25f}, {0.5f, 0.25f, 1});
 }
 
-/// By way of ACES2065-1, which needs no name: the matrix of SMPTE ST 2065-1 from Rec.709, as ACES publishes it.
+/// Through ACES2065-1 by role: the matrix from Rec.709 that ACES publishes (SMPTE ST 2065-1).
 TEST_F(Ocio, InputByTheRoleForInterchange)
 {
     write(configuration("ACES2065-1", "  aces_interchange: plain\n"));
@@ -185,7 +185,7 @@ TEST_F(Ocio, OfTheEnvironment)
     unsetenv("OCIO");
 }
 
-/// All formats show the same; none says that it is sRGB.
+/// All file formats contain equal codes, and none is tagged as sRGB.
 TEST_F(Ocio, PicturesAreMadeByIt)
 {
     Image image = test::made_image(8, 8);

@@ -24,7 +24,7 @@ void expect_near(const ColorMatrix& m, const ColorMatrix& expected, double toler
         for (std::size_t k = 0; k < 3; ++k) EXPECT_NEAR(m[i][k], expected[i][k], tolerance) << i << k;
 }
 
-/// As the configurations of ACES for OpenColorIO have it ("Utility - Linear - sRGB"), and its inverse.
+/// Matrix of the ACES configurations for OpenColorIO ("Utility - Linear - sRGB"), and its inverse.
 constexpr ColorMatrix published_acescg{{{0.6130974024, 0.3395231462, 0.0473794514},
                                         {0.0701937225, 0.9163538791, 0.0134523985},
                                         {0.0206155929, 0.1095697729, 0.8698146342}}};
@@ -56,18 +56,18 @@ TEST(Primaries, WhiteStaysWhite)
     }
 }
 
-/// With one white nothing is adapted, and red comes to where its x and y say: of Rec.709 in XYZ, IEC 61966-2-1.
+/// With equal white points there is no chromatic adaptation: red of Rec.709 has the XYZ values of IEC 61966-2-1.
 TEST(Primaries, RedOfRec709InXyz)
 {
     const Chromaticities xyz{{1, 0}, {0, 1}, {0, 0}, {0.3127f, 0.329f}};
     const ColorMatrix m = conversion(rec709_chromaticities, xyz);
-    // White of XYZ so is (1, 1, 1): each row is over that of white.
+    // XYZ are relative to white, which becomes (1, 1, 1).
     const double white[] = {0.3127 / 0.329, 1, 0.3583 / 0.329};
     const double red[] = {0.4124, 0.2126, 0.0193};
     for (std::size_t i = 0; i < 3; ++i) EXPECT_NEAR(m[i][0] * white[i], red[i], 5e-5);
 }
 
-/// CIE 15: D50, D55, D65, D75 and illuminant A, of 2856 K.
+/// CIE 15: D50, D55, D65, D75, and illuminant A at 2856 K.
 TEST(Primaries, WhitesOfTemperatures)
 {
     struct Known {
@@ -82,8 +82,8 @@ TEST(Primaries, WhitesOfTemperatures)
     }
 }
 
-/// Light of illuminant A, by its x and y, becomes grey that is as bright; daylight stays as it is, to what D65 is
-/// rounded to.
+/// White balance for illuminant A makes its chromaticity gray at equal luminance; daylight changes only by the rounding
+/// of D65.
 TEST(Primaries, WhiteBalance)
 {
     const double x = 0.44758, y = 0.40745, xyz[] = {x / y, 1, (1 - x - y) / y};

@@ -13,7 +13,7 @@
 namespace fathom {
 namespace {
 
-/// Of grey, whose channels must agree.
+/// 8-bit code of a gray value; the three channels must agree.
 int code8(const DisplayMap& map, float x)
 {
     const auto codes = map.codes8({x, x, x});
@@ -55,7 +55,7 @@ Matrix3 inverse(const Matrix3& m)
 TEST(Tonemap, SrgbCodesByHand)
 {
     const DisplayMap map({0, Tonemap::srgb});
-    // 255 (1.055 x^(1/2.4) - 0.055), and 255 12.92 x below 0.0031308
+    // 255 (1.055 x^(1/2.4) - 0.055), and 255 * 12.92 x below 0.0031308.
     EXPECT_EQ(code8(map, 0), 0);
     EXPECT_EQ(code8(map, 0.001f), 3);       // 3.29
     EXPECT_EQ(code8(map, 0.0031308f), 10);  // 10.31
@@ -85,7 +85,7 @@ TEST(Tonemap, FilmicByHand)
     EXPECT_NEAR(filmic_curve(1e6f), 2.51 / 2.43, 1e-4);
     const DisplayMap map({0, Tonemap::filmic});
     EXPECT_EQ(code8(map, 1), 232);  // sRGB of 0.803797: 0.908232 * 255 = 231.6
-    // Exposed before, not after the curve.
+    // Exposure is applied before the curve.
     EXPECT_EQ(code8(DisplayMap({2, Tonemap::filmic}), 0.25f), 232);
     EXPECT_EQ(code8(map, INFINITY), 255);
     EXPECT_EQ(code8(map, NAN), 0);
@@ -108,7 +108,7 @@ TEST(Tonemap, TheTableIsTheFormula)
     }
 }
 
-/// Hill's fit, in double and with the matrices as products: what viewers of glTF show.
+/// Hill's ACES fit in double precision with its matrices multiplied, as glTF viewers use it.
 Rgb hill(const Rgb& radiance)
 {
     const double in[3][3] = {{.59719, .35458, .04823}, {.07600, .90834, .01566}, {.02840, .13383, .83777}};
@@ -125,23 +125,23 @@ Rgb hill(const Rgb& radiance)
     return shown;
 }
 
-/// AgX from what its matrices are made of: the primaries of Rec.709 and Rec.2020, and the inverse of the matrix that
-/// Blender's configuration turns out with (its rows, from the one that is turned in with after the curve).
+/// AgX from its sources: primaries of Rec.709 and Rec.2020, and the inverse of the outset matrix of Blender's
+/// configuration.
 Rgb sobotka(const Rgb& radiance)
 {
-    // Of ITU-R BT.2087, and its inverse.
+    // ITU-R BT.2087, and its inverse.
     const Matrix3 to_2020 = {
         {{0.6274039, 0.3292830, 0.0433131}, {0.0690973, 0.9195404, 0.0113623}, {0.0163914, 0.0880133, 0.8955953}}};
     const Matrix3 inset = {{{0.856627153315983, 0.0951212405381588, 0.0482516061458583},
                             {0.137318972929847, 0.761241990602591, 0.101439036467562},
                             {0.11189821299995, 0.0767994186031903, 0.811302368396859}}};
-    // Blender's inverse outset: E. Chow's AgXBaseRec2020, rounded.
+    // Inverse outset of Blender: E. Chow's AgXBaseRec2020, rounded.
     const Matrix3 before_outset = {{{0.899796955911611, 0.0871996192028351, 0.013003424885555},
                                     {0.11142098895748, 0.875575586156966, 0.0130034248855548},
                                     {0.11142098895748, 0.0871996192028349, 0.801379391839686}}};
     Rgb v = times(inset, times(to_2020, radiance));
     for (double& x : v) {
-        // Horner, where the curve is written by powers.
+        // Horner's scheme of the published polynomial.
         const double ev = std::log2(std::max(x, 1e-10)), least = std::log2(0.18) - 10, most = std::log2(0.18) + 6.5;
         const double t = std::clamp((ev - least) / (most - least), 0.0, 1.0);
         x = -0.00232 + t * (0.1191 + t * (0.4298 + t * (-6.868 + t * (31.96 + t * (-40.14 + t * 15.5)))));
@@ -153,7 +153,7 @@ Rgb sobotka(const Rgb& radiance)
     return v;
 }
 
-/// PBR Neutral by its description: F90 taken away, then a compression of the largest channel, then desaturation.
+/// Khronos PBR Neutral by its specification: subtract F90, compress the largest channel, then desaturate.
 Rgb neutral(const Rgb& radiance)
 {
     const auto [least, most] = std::minmax_element(radiance.begin(), radiance.end());
@@ -172,7 +172,7 @@ TEST(Tonemap, CurvesAreTheirFormulae)
     std::uint32_t state = 7;
     const auto random = [&] { return double((state = state * 1664525u + 1013904223u) >> 8) * 0x1p-24; };
     for (int i = 0; i < 3000; ++i) {
-        // From 2^-12 to 2^8, and channels that are black.
+        // Values from 2^-12 to 2^8, and black channels.
         Rgb c{};
         for (double& x : c) x = random() < 0.1 ? 0 : double(float(std::exp2(20 * random() - 12)));
         const Color radiance{float(c[0]), float(c[1]), float(c[2])};
@@ -185,12 +185,12 @@ TEST(Tonemap, CurvesAreTheirFormulae)
         };
         expect(Tonemap::aces, hill(c), 3e-6);
         expect(Tonemap::khronos_neutral, neutral(c), 3e-6);
-        // Its published matrices are rounded to four digits.
+        // AgX's published matrices are rounded to four digits.
         expect(Tonemap::agx, sobotka(c), 3e-4);
     }
 }
 
-/// Brighter light is never shown darker, black is black, and what is very bright comes to white.
+/// Curves are monotonic, map black to black, and very bright light to white.
 TEST(Tonemap, CurvesRiseFromBlackToWhite)
 {
     for (int t = 0; t < int(std::size(tonemap_names)); ++t) {
@@ -205,29 +205,29 @@ TEST(Tonemap, CurvesRiseFromBlackToWhite)
             const auto codes = map.codes16({x, x, x});
             ASSERT_GE(codes[1], before) << tonemap_names[t] << " " << x;
             before = codes[1];
-            // Grey stays grey, to what rounded matrices leave of it.
+            // Gray stays gray, up to the rounding of the matrices.
             const auto [least, most] = std::minmax_element(codes.begin(), codes.end());
             ASSERT_LE(*most - *least, 60) << tonemap_names[t] << " " << x;
         }
     }
 }
 
-/// What a lamp of 2856 K (x 0.4476, y 0.4075: 1.85, 0.83 and 0.23 at a luminance of 1) lights is grey, and as bright as
-/// its luminance times the exposure.
+/// White balance of 2856 K makes light of illuminant A (x 0.4476, y 0.4075: 1.85, 0.83 and 0.23 at luminance 1) gray
+/// with its luminance times the exposure.
 TEST(Tonemap, WhiteBalanceMakesLampsWhite)
 {
     const auto gray =
         DisplayMap({-1, Tonemap::srgb, {}, 2856}).codes8({0.364f * 1.8451f, 0.364f * 0.8261f, 0.364f * 0.2333f});
-    // 0.182
+    // Code 118 is a linear value of 0.182.
     for (const int code : gray) EXPECT_NEAR(code, 118, 1.5);
     EXPECT_EQ(DisplayMap({0, Tonemap::srgb, {}, 2856}).codes8({NAN, NAN, NAN})[2], 0);
-    // Light that is bluer than daylight is shown warmer.
+    // Light bluer than daylight is balanced to a warmer color.
     const auto warm = DisplayMap({0, Tonemap::srgb, {}, 10000}).codes8({0.5f, 0.5f, 0.5f});
     EXPECT_GT(warm[0], 188);
     EXPECT_LT(warm[2], 188);
 }
 
-/// A base colour of up to 0.8 that reflects 4 % more under white light is shown as it is.
+/// Base colors up to 0.8 plus 4 % specular reflection under white light are reproduced exactly.
 TEST(Tonemap, NeutralKeepsTheColoursOfSurfaces)
 {
     for (const Color& base : {Color{0.6f, 0.1f, 0.05f}, {0.75f, 0.75f, 0.7f}, {0.05f, 0.2f, 0.4f}}) {
@@ -236,7 +236,7 @@ TEST(Tonemap, NeutralKeepsTheColoursOfSurfaces)
         EXPECT_NEAR(shown.g, base.g, 1e-6);
         EXPECT_NEAR(shown.b, base.b, 1e-6);
     }
-    // No number where another channel is one.
+    // NaN in one channel is treated as 0, so other channels stay valid.
     const auto codes = DisplayMap({0, Tonemap::agx}).codes8({NAN, 1, 0.2f});
     EXPECT_EQ(codes, DisplayMap({0, Tonemap::agx}).codes8({0, 1, 0.2f}));
 }

@@ -22,7 +22,7 @@ Faces black_faces(int size)
     return faces;
 }
 
-/// What the picture shows in a direction, of one channel.
+/// Value of one channel in a direction.
 float shown(const Faces& faces, const Vec3d& direction, std::size_t channel = 0)
 {
     const Vec3d d = normalize(direction);
@@ -42,7 +42,7 @@ TEST(CubeMap, EachAxisShowsItsFace)
     for (std::size_t i = 0; i < 6; ++i) EXPECT_EQ(shown(faces, axes[i], i % 3), float(i + 1)) << i;
 }
 
-/// The directions of the upper left and upper right corners of each face, from OpenGL's pictures of them.
+/// Directions of the upper corners of each face, from the figures of the OpenGL specification.
 TEST(CubeMap, FacesAreTurnedAsInOpenGl)
 {
     constexpr Vec3d left[] = {{1, 1, 1}, {-1, 1, -1}, {-1, 1, -1}, {-1, -1, 1}, {-1, 1, 1}, {1, 1, -1}};
@@ -63,13 +63,13 @@ TEST(CubeMap, FacesAreTurnedAsInOpenGl)
     }
 }
 
-/// The solid angle of the part of a face at z = 1 from its middle to (x, y).
+/// Solid angle of the part of the face z = 1 between its center and (x, y).
 double solid_angle_to(double x, double y)
 {
     return std::atan2(x * y, std::sqrt(x * x + y * y + 1));
 }
 
-/// A square of 8x8 texels lights as much as the solid angle that it has: in the middle of a face as at its corner.
+/// A patch of 8 x 8 texels emits in proportion to its solid angle, at a face's center and at its corner.
 TEST(CubeMap, LightIsKept)
 {
     const int size = 32, square = 8;
@@ -88,7 +88,8 @@ TEST(CubeMap, LightIsKept)
         const double a = 2.0 * place / size - 1, b = 2.0 * (place + square) / size - 1;
         const double expected =
             solid_angle_to(b, b) - solid_angle_to(a, b) - solid_angle_to(b, a) + solid_angle_to(a, a);
-        // A place is at most a quarter of a texel wide, and counts or not along an edge: an eighth on either side.
+        // Texels of the result are at most a quarter of a face texel wide and lie inside or outside as a whole: an
+        // error of up to an eighth on either side.
         EXPECT_NEAR(light / expected, 1, 2 * 0.125 * 2 / square) << place;
     }
 }

@@ -13,7 +13,7 @@ namespace {
 
 constexpr int size = 16;
 
-/// Black but for one texel.
+/// Black except for one texel.
 CubeFace square_with(int x, int y)
 {
     CubeFace square;
@@ -27,10 +27,10 @@ CubeFace square_with(int x, int y)
 
 struct Shown {
     Vec3d direction;
-    double light;  ///< over the sphere
+    double light;  ///< integral over the sphere
 };
 
-/// Where the light of the picture comes from in the mean, and how much there is.
+/// Mean direction and total amount of the image's light.
 Shown shown(const CubeFace& square)
 {
     const int width = equirectangular_width(square), height = width / 2;
@@ -52,7 +52,7 @@ Shown shown(const CubeFace& square)
 
 TEST(EqualAreaMap, AxesAreWherePbrtHasThem)
 {
-    // The equator is a square on its tip: those on it are in the middles of the edges.
+    // The equator maps to a square rotated by 45 degrees, so equatorial axes are at the midpoints of the edges.
     const std::pair<std::array<int, 2>, Vec3d> places[] = {{{8, 8}, {0, 0, 1}},  {{15, 8}, {1, 0, 0}},
                                                            {{8, 15}, {0, 1, 0}}, {{0, 8}, {-1, 0, 0}},
                                                            {{8, 0}, {0, -1, 0}}, {{0, 0}, {0, 0, -1}}};

@@ -8,13 +8,12 @@
 #include "fathom/error.h"
 #include "lights/sky/sky.h"
 
-// What is compiled from descriptions, looked at in the tables themselves: most of it shows in a picture only as noise,
-// or as a place where two mistakes cancel.
+// Tests of compiled tables: most errors in them would show in an image only as noise, or where two errors cancel.
 namespace fathom {
 namespace {
 
-/// Probabilities add up to 1, are those of the cumulative table, and go with power: area times radiance times pi, twice
-/// for two sides, 4 pi times intensity; none has less than a hundredth of the mean.
+/// Selection probabilities sum to 1, match the cumulative table and are proportional to power: area * radiance * pi,
+/// doubled for two sides, and 4 pi * intensity; at least a hundredth of the mean.
 TEST(LightTable, ProbabilitiesGoWithPower)
 {
     SceneDescription d = empty_scene();
@@ -33,7 +32,7 @@ TEST(LightTable, ProbabilitiesGoWithPower)
     ASSERT_EQ(t.lights.size(), 6u);
     ASSERT_EQ(t.light_cdf.size(), 7u);
     const double pi = std::numbers::pi;
-    // By the order of the table: quads, spheres, disks, lights. The small one has a hundredth of the mean.
+    // In table order: quads, spheres, disks, lights. The small one is raised to a hundredth of the mean.
     std::vector<double> power = {3 * 6 * pi,           2 * 3 * 6 * pi, 0, 3 * 4 * pi * 0.25 * pi,
                                  3 * pi * 0.5625 * pi, 2 * 4 * pi};
     double total = 0;
@@ -50,7 +49,7 @@ TEST(LightTable, ProbabilitiesGoWithPower)
     EXPECT_EQ(t.lights[0].flags, 0u);
 }
 
-/// Shapes know their lights, lights their primitives, in render space.
+/// Shapes refer to their lights and lights to their primitives, in render space.
 TEST(LightTable, LampsStandWhereTheirShapesDo)
 {
     SceneDescription d = empty_scene();
@@ -87,8 +86,8 @@ TEST(LightTable, LampsStandWhereTheirShapesDo)
     }
 }
 
-/// The sun of a sky is a light of the size and the light that it has, where the sky says; turned with it, and gone at
-/// night.
+/// The sun of a sky becomes a directional light with the sun's size and irradiance at the sky's position; it rotates
+/// with the sky and vanishes at night.
 TEST(LightTable, TheSunOfASky)
 {
     SceneDescription d = empty_scene();
@@ -107,13 +106,13 @@ TEST(LightTable, TheSunOfASky)
         EXPECT_NEAR(sun.edge_u[0], turn_deg == 0 ? -side : 0, 1e-6);
         EXPECT_NEAR(sun.edge_u[1], -up, 1e-6);
         EXPECT_NEAR(sun.edge_u[2], turn_deg == 0 ? 0 : side, 1e-6);
-        // A disk of 0.00935 radians gives its radiance times pi sin^2 of half of that.
+        // A disk of 0.00935 radians has the irradiance of its radiance times pi sin^2 of half of that angle.
         const double s = std::sin(0.00935 / 2), solid_angle = std::numbers::pi * s * s;
         const Color arrives = Sky::sun_irradiance({2, 1, 0});
         EXPECT_NEAR(double(sun.radiance[0]) * solid_angle / (2 * double(arrives.r)), 1, 1e-5);
         EXPECT_NEAR(double(sun.radiance[1]) * solid_angle / (3 * double(arrives.g)), 1, 1e-5);
         EXPECT_NEAR(double(sun.radiance[2]) * solid_angle / (5 * double(arrives.b)), 1, 1e-5);
-        // And the sky is seen where it is: its middle column looks along its +x, which is the sun's side.
+        // The visible sun agrees: the sky image's center column looks along +x, towards the sun.
         const EnvironmentRecord& e = t.environment;
         const auto at = [&](int x, int y) { return double(e.texels[std::size_t(4 * (y * e.width + x) + 1)]); };
         EXPECT_GT(at(e.width / 2, e.height / 3), 1.5 * at(0, e.height / 3));
@@ -157,7 +156,7 @@ TEST(LightTable, PointSpotAndSun)
     EXPECT_NEAR(t.lights[1].edge_u[1], -1, 1e-6);  // -z turned downwards
     EXPECT_FLOAT_EQ(t.lights[1].outer, float(1 - std::cos(0.5)));
     EXPECT_FLOAT_EQ(t.lights[1].falloff, float(std::cos(0.2) - std::cos(0.5)));
-    EXPECT_FLOAT_EQ(t.lights[2].radiance[2], 3);  // irradiance knows no scale
+    EXPECT_FLOAT_EQ(t.lights[2].radiance[2], 3);  // irradiance does not depend on the scale of render space
     EXPECT_EQ(t.lights[2].radius, 0);
     EXPECT_NEAR(t.lights[2].edge_u[2], -1, 1e-6);
     const double half = 0.25;
@@ -165,7 +164,7 @@ TEST(LightTable, PointSpotAndSun)
     EXPECT_NEAR(t.lights[3].radiance[1] * std::numbers::pi * std::sin(half) * std::sin(half), 2, 1e-5);
 }
 
-/// The light tree's ball around a curve holds it all along the way of its points, with its radius.
+/// The light tree's bounding sphere of a moving curve contains it at every time, including its radius.
 TEST(LightTable, BallsHoldCurvesThatMove)
 {
     SceneDescription d = empty_scene();
@@ -197,11 +196,11 @@ TEST(LightTable, BallsHoldCurvesThatMove)
                                            mean(p.z, q.z) - double(n.z[slot]));
             EXPECT_LE(away + mean(a.radii[end], b.radii[end]), double(n.radius[slot]) * (1 + 1e-6)) << i;
         }
-    // Nor is it much larger.
+    // The bound is not much larger.
     EXPECT_LT(double(n.radius[slot]), 6 * t.render_scale);
 }
 
-/// Rows and columns of a sky by their light: where there is none next to nothing is looked for.
+/// Marginal and conditional distributions of an environment follow its luminance; dark parts get almost no samples.
 TEST(EnvironmentTable, DistributionFollowsTheImage)
 {
     const std::filesystem::path file = std::filesystem::temp_directory_path() / "fathom-compile-sky.exr";
@@ -220,7 +219,7 @@ TEST(EnvironmentTable, DistributionFollowsTheImage)
     const EnvironmentRecord& e = scene.data().tables->environment;
     ASSERT_EQ(e.marginal.size(), 9u);
     ASSERT_EQ(e.conditional.size(), 8u * 17);
-    // The mean over 3 x 3, times the sine of the row: rows 1, 2, 3, columns 15, 0, 1.
+    // Mean over 3 x 3 texels times the sine of the row: rows 1, 2, 3, columns 15, 0, 1.
     double rows[8] = {}, total = 0;
     for (int y : {1, 2, 3}) rows[y] = std::sin((y + 0.5) * std::numbers::pi / 8), total += rows[y];
     for (std::size_t y = 0; y < 8; ++y) EXPECT_NEAR(e.marginal[y + 1] - e.marginal[y], rows[y] / total, 1e-6) << y;
@@ -230,8 +229,8 @@ TEST(EnvironmentTable, DistributionFollowsTheImage)
                 << x;
     ASSERT_NE(e.light, no_index);
     EXPECT_EQ(scene.data().tables->lights[e.light].kind, std::uint32_t(LightRecordKind::environment));
-    // What a density tells of the luminance there, 0.7152 for a ninth of 9 of green: the mean of all, and the rest. The
-    // sampled cells are alike; their density is one over their solid angle in all.
+    // Constants that give a cell's luminance from its pdf: the mean over the sphere, and the rest. Green of 9 over 9
+    // texels is 0.7152; all sampled cells are equal, with pdf 1 / (their total solid angle).
     double sphere = 0, sampled = 0;
     for (int y = 0; y < 8; ++y) {
         const double sine = std::sin((y + 0.5) * std::numbers::pi / 8);

@@ -42,7 +42,7 @@ Transform place_at(const std::vector<NodeKey>& keys, double time)
         .transform();
 }
 
-/// Brute force over times: what a path carries never leaves its bounds.
+/// Brute force over times: geometry carried by a motion never leaves its bounds.
 TEST(LightMotionBounds, HoldsWhatItCarries)
 {
     int narrow = 0;
@@ -50,7 +50,7 @@ TEST(LightMotionBounds, HoldsWhatItCarries)
         Chance chance(seed);
         const bool keeps_shape = seed % 3 != 0;
         std::vector<NodeKey> keys = random_motion(chance, keeps_shape);
-        // Some turn only a little.
+        // Some rotate only slightly.
         if (seed % 2 && keeps_shape)
             for (NodeKey& key : keys)
                 key.parent_from_node = Transform::translate(chance.vector(5)) *
@@ -70,7 +70,7 @@ TEST(LightMotionBounds, HoldsWhatItCarries)
             EXPECT_LE(length(now.point(edge) - ball.center), ball.radius * (1 + 1e-5) + 1e-5);
             if (cone.cosine > -1) EXPECT_GE(dot(normalize(now.vector(normal)), cone.axis), cone.cosine - 1e-6);
         }
-        // And are not much larger than the way.
+        // The bounds are not much larger than the path.
         double farthest = 0;
         for (int i = 0; i <= 200; ++i)
             farthest = std::max(farthest, length(place_at(keys, 0.9 * i / 200).point(center) - ball.center));

@@ -18,16 +18,16 @@ Vec3 lanes_of(Vec3d d)
     return Vec3(Vec3f{float(d.x), float(d.y), float(d.z)});
 }
 
-/// The direction in which the image has (u, v), by the words of the documentation: its middle looks along +x, its top
-/// along +y, u grows to the right as seen from inside.
+/// Direction of image coordinates (u, v) by the documentation: the center looks along +x, the top along +y, u increases
+/// to the right as seen from inside.
 Vec3d direction_of(double u, double v)
 {
     const double phi = 2 * std::numbers::pi * (u - 0.5), theta = std::numbers::pi * v;
-    // To the right of someone who looks along +x with y up is +z.
+    // +z is to the right when looking along +x with y up.
     return {std::sin(theta) * std::cos(phi), std::cos(theta), std::sin(theta) * std::sin(phi)};
 }
 
-/// A rotation about an axis (Rodrigues).
+/// Rotation about an axis (Rodrigues).
 struct Turn {
     Vec3d axis;
     double angle;
@@ -38,7 +38,7 @@ struct Turn {
         return v * std::cos(angle) + cross(a, v) * std::sin(angle) + a * (dot(a, v) * (1 - std::cos(angle)));
     }
     Turn inverse() const { return {axis, -angle}; }
-    /// environment from render.
+    /// Sets environment_from_render.
     void put_into(EnvironmentRecord& e) const
     {
         const Vec3d x = vector({1, 0, 0}), y = vector({0, 1, 0}), z = vector({0, 0, 1});
@@ -47,7 +47,7 @@ struct Turn {
     }
 };
 
-/// An image whose texels are black but one, with tables for sampling that have no empty cell.
+/// An image with one bright texel and sampling tables without empty cells.
 LightTables image_tables(int width, int height, int x, int y)
 {
     LightTables tables;
@@ -84,7 +84,7 @@ TEST(Environment, PointsOfTheImage)
             EXPECT_NEAR(first(at.u), u, 2e-5) << u << " " << v;
             EXPECT_NEAR(first(at.v), v, 2e-5) << u << " " << v;
         }
-    // In words: ahead, to the right, up.
+    // Ahead, right, up.
     EXPECT_NEAR(first(detail::image_point(lanes_of({1, 0, 0})).u), 0.5, 1e-6);
     EXPECT_NEAR(first(detail::image_point(lanes_of({0, 0, 1})).u), 0.75, 1e-6);
     EXPECT_NEAR(first(detail::image_point(lanes_of({0, 1, 0})).v), 0, 1e-3);
@@ -105,14 +105,14 @@ TEST(Environment, ABrightTexelIsSeenWhereItIs)
                 EXPECT_NEAR(first(seen.c[1]), here ? 20 : 0, 2e-3);
                 EXPECT_NEAR(first(seen.c[2]), here ? 300 : 0, 3e-2);
             }
-        // Half way to the next column, which for the last one is the first: half of it.
+        // Halfway to the next column (the last column's neighbor is the first) the value is half.
         const Spectrum between =
             environment_radiance(tables, lanes_of(direction_of((x + 1.0) / width, (y + 0.5) / height)), Mask(true));
         EXPECT_NEAR(first(between.c[0]), 0.5, 1e-4);
     }
 }
 
-/// environment_from_render takes a direction of the scene to one of the image.
+/// environment_from_render maps directions of the scene to those of the image.
 TEST(Environment, RotatesWithItsMatrix)
 {
     LightTables tables = image_tables(16, 8, 11, 2);
@@ -120,7 +120,7 @@ TEST(Environment, RotatesWithItsMatrix)
     turn.put_into(tables.environment);
     const Vec3d bright = turn.inverse().vector(direction_of(11.5 / 16, 2.5 / 8));
     EXPECT_NEAR(first(environment_radiance(tables, lanes_of(bright), Mask(true)).c[0]), 1, 1e-4);
-    // There and back.
+    // Rotating in and out is the identity.
     const Vec3 there = detail::rotate_in(tables.environment, lanes_of({0.36, 0.48, 0.8}));
     const Vec3 back = detail::rotate_out(tables.environment, there);
     EXPECT_NEAR(first(back.x), 0.36, 1e-6);
@@ -150,7 +150,7 @@ TEST(Environment, SamplingFollowsTheDensityWhichIsThatOfTheTables)
         return double(first(environment_pdf(tables, lanes_of({d.x, d.y, d.z}))));
     };
     EXPECT_NEAR(test::integrate_sphere(pdf), 1, 3e-3);
-    // In the middle of a cell: its share of (u, v), over the solid angle 2 pi^2 sin(theta) du dv.
+    // At a cell's center: its probability over (u, v), divided by 2 pi^2 sin(theta) du dv.
     const EnvironmentRecord& e = tables.environment;
     for (const auto& [x, y] : {std::pair{0, 0}, {7, 3}, {11, 9}}) {
         const double share =
@@ -162,8 +162,8 @@ TEST(Environment, SamplingFollowsTheDensityWhichIsThatOfTheTables)
                     1, 1e-3);
     }
 
-    tables.environment.base_luminance = 0.5f, tables.environment.luminance_per_pdf = 3;
-    // Where samples fall: in cells of the image.
+    tables.environment.even_luminance = 0.5f, tables.environment.sampled_luminance = 3;
+    // Histogram of samples over cells of the image.
     std::vector<double> observed(120), expected(120);
     test::Random random;
     int drawn = 0, compared = 0;
@@ -182,7 +182,8 @@ TEST(Environment, SamplingFollowsTheDensityWhichIsThatOfTheTables)
             const double u = std::atan2(d.z, d.x) / (2 * std::numbers::pi) + 0.5,
                          v = std::acos(std::clamp(d.y, -1.0, 1.0)) / std::numbers::pi;
             ++observed[std::size_t(std::clamp(int(v * 10), 0, 9) * 12 + std::clamp(int(u * 12), 0, 11))];
-            // The direction is rounded: by its edges a cell may be taken for the next, and at the poles any for any.
+            // Rounding of the direction: samples near a cell's edge may fall into its neighbor, at the poles into any
+            // cell.
             const double sine = std::hypot(d.x, d.z), rounding = 3e-6 / sine;
             const auto is_within = [&](double at) { return std::abs(at - std::round(at)) > rounding; };
             if (sine < 0.01 || !is_within(u * 12) || !is_within(v * 10)) continue;
@@ -210,7 +211,7 @@ TEST(Environment, IsNotSampledUnlessItIsALight)
     EXPECT_EQ(first(environment_pdf(tables, lanes_of({0, 0.6, 0.8}))), 0);
 }
 
-/// The interval of a cumulative table is the one that a plain search finds, also where some are empty.
+/// Interval lookup in a cumulative table agrees with a linear search, also with empty intervals.
 TEST(Environment, IntervalsOfATable)
 {
     for (int n : {1, 2, 3, 7, 64, 100}) {
@@ -227,7 +228,8 @@ TEST(Environment, IntervalsOfATable)
     }
 }
 
-/// A guide only says where to look: also at its entries' ends, and in the second of two tables.
+/// A guide table only accelerates the search: equal results also at the ends of its entries and in the second of two
+/// tables.
 TEST(Environment, GuidesFindWhatASearchFinds)
 {
     for (int n : {1, 2, 5, 64, 1000}) {
@@ -255,8 +257,8 @@ TEST(Environment, GuidesFindWhatASearchFinds)
     }
 }
 
-/// Products with a guide's size may be rounded up to it: a number of 1, or just below, is in the last interval of its
-/// own table, not in what lies beyond.
+/// u times the guide's size may round up to the size: numbers just below 1 must stay in the last interval of their own
+/// table.
 TEST(Environment, GuidesEndWhereTheirTableEnds)
 {
     for (const int n : {1, 2, 4, 5, 64, 1000, 3000}) {
@@ -271,7 +273,7 @@ TEST(Environment, GuidesEndWhereTheirTableEnds)
             EXPECT_EQ(first(found.end), 1) << n;
             EXPECT_EQ(first(find_interval(tables.data(), UInt(0u), n, Float(x))), std::uint32_t(n) - 1) << n;
         }
-        // Entries are neither skipped nor shared: each begins where the one before ends.
+        // Guide entries have no gaps or overlaps: each starts where the previous one ends.
         for (std::uint32_t k = 0; k < guide_size(n); ++k) {
             const float middle = (float(k) + 0.5f) / float(guide_size(n));
             EXPECT_EQ(first(guide_entry(n, Float(middle))), k) << n;

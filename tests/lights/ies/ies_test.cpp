@@ -10,7 +10,7 @@
 namespace fathom {
 namespace {
 
-/// A file's numbers from the number of lamps on, behind a head.
+/// An IES file with these numbers from the number of lamps onward, after a header.
 std::string file_of(const std::string& numbers, const std::string& head = "IESNA:LM-63-2002\n[TEST] x\nTILT=NONE\n")
 {
     return head + numbers;
@@ -28,7 +28,7 @@ std::string error_of(const std::string& text)
     return "read";
 }
 
-/// Lines may be broken anywhere; candela are multiplied by the file's factors.
+/// Numbers may be split over lines anywhere; candela values are scaled by the file's factors.
 TEST(Ies, CandelaByAngles)
 {
     const IesProfile p = parse_ies(
@@ -43,7 +43,8 @@ TEST(Ies, CandelaByAngles)
     EXPECT_EQ(p.at(90.001, 0), 0);
 }
 
-/// What a file leaves out of the full turn: all of it, three quarters, one half about either plane, the last step.
+/// Missing horizontal angles are restored by symmetry: rotational, quarter, half about either plane, and the last step
+/// to 360 degrees.
 TEST(Ies, Symmetry)
 {
     const auto at = [](const std::string& azimuths, const std::string& values, double azimuth) {
@@ -68,7 +69,7 @@ TEST(Ies, HeadsOfAllYears)
 {
     const std::string numbers = "1 1 2 2 1 1 1 0 0 0  3 5 60  0 90  0  1 1\n";
     const auto factor = [&](const std::string& head) { return parse_ies("a", file_of(numbers, head)).candela[0]; };
-    // Before 1995 the second of the factors is one of the photometry, later it says how the file was made.
+    // Before 1995 the second factor is a photometric factor; later it describes how the file was made.
     EXPECT_EQ(factor("a lamp of 1986\nTILT=NONE\n"), 30);
     EXPECT_EQ(factor("IESNA91\n[TEST] x\nTILT=NONE\r\n"), 30);
     EXPECT_EQ(factor("\xef\xbb\xbfIESNA:LM-63-1995\nTILT=NONE\n"), 6);

@@ -18,11 +18,11 @@ struct Form {
     std::vector<Vec4f> points;
     bool placed;
     Vec3d eye;
-    bool within = false;  ///< the eye is nearer to the axis than half the width
-    /// Where the points are at time 1, if they move.
+    bool within = false;  ///< the viewpoint is closer to the axis than half the width
+    /// Control points at time 1, if they move.
     std::vector<Vec4f> then = {};
 };
-/// That of all rays.
+/// Time of all rays.
 constexpr float now = 0.375f;
 const std::vector<Vec4f> bow{
     {-1, 2, 0, 0.3f}, {-0.4f, 2.5f, 0.3f, 0.25f}, {0.4f, 2.2f, -0.4f, 0.15f}, {1, 2, 0.2f, 0.2f}};
@@ -56,7 +56,7 @@ GeometryTables tables_of(const Form& form)
     t.curves.push_back({0, form.pieces, 0, 1});
     t.shape_of_primitive.push_back(0);
     InstanceRecord instance;
-    // Twice as large there: render = 2 (object turned by 90 degrees about y) + (1, 0, 0).
+    // Scaled by 2: render = 2 (object rotated by 90 degrees about y) + (1, 0, 0).
     instance.object_from_render = {0, 0, -0.5f, 0, 0, 0.5f, 0, 0, 0.5f, 0, 0, -0.5f};
     t.instances.push_back(instance);
     return t;
@@ -67,14 +67,14 @@ Vec3 as_lanes(Vec3d p)
     return Vec3(Vec3f{float(p.x), float(p.y), float(p.z)});
 }
 
-/// All pieces that a ray meets, tested one after the other.
+/// All curve pieces that a ray hits, by testing each.
 class Force {
 public:
     Force(const Form& form, const GeometryTables& t)
         : form_(form), t_(t), curve_(t, UInt(0u), UInt(0u), UInt(form.flags), Float(now), Mask(true))
     {
     }
-    /// f(t, u, m) for each piece.
+    /// Calls f(t, u, m) for each piece.
     template <class F>
     void for_each_hit(Vec3 o, Vec3 d, const F& f) const
     {
@@ -107,7 +107,7 @@ UInt instance_of(const Form& form)
     return UInt(form.placed ? 0u : no_index);
 }
 
-/// A sample is a point of the surface that a ray meets, and pdf() finds its density again from there.
+/// Each sample is a visible point of the surface, and pdf() of its direction returns its density.
 TEST(CurveLight, SamplesAreHitsOfTheirDensity)
 {
     for (const Form& form : forms) {
@@ -133,23 +133,23 @@ TEST(CurveLight, SamplesAreHitsOfTheirDensity)
             wrong += count(counts & met & !(abs(pdf * s.inverse_pdf - Float(1)) < Float(0.02f)));
         }
         EXPECT_GT(sampled, 15'000) << form.name;
-        // Rays that graze may miss, and change their density fast.
+        // Grazing rays may miss, and their density changes quickly.
         EXPECT_LT(missed, 100) << form.name;
         EXPECT_LT(wrong, 200) << form.name;
     }
 }
 
-/// Directions in cells of a picture of the curve, against the density of what rays meet there.
+/// Histogram of sampled directions against the density along rays that hit the curve.
 TEST(CurveLight, DirectionsFollowTheDensity)
 {
     for (const Form& form : forms) {
-        // The density has poles then, which the cells' sums of it miss.
+        // From inside the width the density has poles, which the numerical integral misses.
         if (form.within) continue;
         const GeometryTables t = tables_of(form);
         const CurveLight light(t, UInt(0u), instance_of(form), Float(now), Mask(true));
         const Force force(form, t);
         const Vec3 eye = as_lanes(form.eye);
-        // Directions by the cylinder's map: the angle about y, and the height; as far as there are any.
+        // Cylindrical map of directions: azimuth about y, and height, over the range of the samples.
         constexpr int draws = 1 << 16, cells = 12, fine = 64, n = cells * fine;
         std::vector<std::pair<double, double>> places;
         double lo[2] = {1, 1}, hi[2] = {0, -1};
@@ -194,7 +194,7 @@ TEST(CurveLight, DirectionsFollowTheDensity)
                         double(all[k]) * 2 * std::numbers::pi * width[0] * width[1] / n / n;
             }
         double all = 0;
-        // Where only a corner of a cell has some, rays between the fine ones may have met it.
+        // If a curve covers only a corner of a cell, the fine grid of rays may miss it.
         for (double& e : expected) all += e, e = std::max(e * draws, 0.01);
         EXPECT_LT(all, 1.01) << form.name;
         expected.back() = std::max(draws * (1 - all), 0.0);

@@ -7,13 +7,13 @@
 #include "support/chi_square.h"
 #include "support/lane_helpers.h"
 
-// Lookups in pictures of lights, with no light around them.
+// Lookup in light images alone.
 namespace fathom {
 namespace {
 
 using test::first;
 
-/// One picture behind a few texels of another.
+/// One image stored after a few texels of another.
 LightTables tables_of(LightPictureMap map, int width, int height, const std::vector<float>& grays)
 {
     LightTables tables;
@@ -43,7 +43,7 @@ Vec3d random_direction(test::Random& random)
     return {r * std::cos(phi), r * std::sin(phi), z};
 }
 
-/// Each texel of an equal-area picture has its share of all directions.
+/// Each texel of an equal-area image covers an equal solid angle.
 TEST(LightPicture, EqualAreas)
 {
     std::vector<float> numbers;
@@ -57,7 +57,7 @@ TEST(LightPicture, EqualAreas)
     EXPECT_EQ(test::chi_square(observed, expected), "");
 }
 
-/// The axis in the middle, its opposite in all corners, right and top where they belong.
+/// The axis is at the center, its opposite at all corners, right and top at the corresponding edges.
 TEST(LightPicture, EqualAreaPlaces)
 {
     std::vector<float> numbers;
@@ -65,7 +65,7 @@ TEST(LightPicture, EqualAreaPlaces)
     LightTables tables = tables_of(LightPictureMap::equal_area, 5, 5, numbers);
     EXPECT_NEAR(look_up(tables, {0, 0, 1}), 12, 1e-5);
     EXPECT_NEAR(look_up(tables, {0, 0, 1}, 2), 36, 1e-5);
-    // Between the middle of the edge's texel and that of its mirror image, which is itself.
+    // Halfway between the center of the edge's texel and its mirror image, the same texel.
     EXPECT_NEAR(look_up(tables, {1, 0, 0}), 14, 1e-4);
     EXPECT_NEAR(look_up(tables, {-1, 0, 0}), 10, 1e-4);
     EXPECT_NEAR(look_up(tables, {0, 1, 0}), 2, 1e-4);
@@ -77,7 +77,7 @@ TEST(LightPicture, EqualAreaPlaces)
     EXPECT_EQ(look_up(tables, {-1, 1, -4}), 0);
 }
 
-/// There is no seam: directions that are near each other see nearly the same, across all edges.
+/// Lookup is continuous: nearby directions give nearly equal values across all edges.
 TEST(LightPicture, EqualAreaEdgesMeet)
 {
     test::Random random(3);
@@ -86,7 +86,7 @@ TEST(LightPicture, EqualAreaEdgesMeet)
     const LightTables tables = tables_of(LightPictureMap::equal_area, 4, 4, values);
     for (int i = 0; i < 4000; ++i) {
         Vec3d d = random_direction(random);
-        // Every other one near where the picture's edges are: in the planes of the axis and one of the others, behind.
+        // Every other direction is near the image's edges: behind, in a plane through the axis and x or y.
         if (i % 2) (i % 4 == 1 ? d.x : d.y) *= 1e-4, d.z = -std::abs(d.z);
         d = normalize(d);
         const Vec3d near = d + random_direction(random) * 3e-4;
@@ -94,11 +94,11 @@ TEST(LightPicture, EqualAreaEdgesMeet)
     }
 }
 
-/// By two rows and columns of one window: what is between them, at the edges, and beyond.
+/// A window of 2 x 2 texels: values between them, at the edges, and outside.
 TEST(LightPicture, PlaneIsAWindow)
 {
     LightTables tables = tables_of(LightPictureMap::plane, 2, 2, {1, 2, 3, 4});
-    tables.light_pictures[1].scale_u = 2;    // half as wide as far
+    tables.light_pictures[1].scale_u = 2;    // half as wide as its distance
     tables.light_pictures[1].scale_v = 0.5;  // twice as high
     EXPECT_NEAR(look_up(tables, {0, 0, 1}), 2.5, 1e-6);
     EXPECT_NEAR(look_up(tables, {-0.25, 1, 1}), 1, 1e-6);
@@ -118,7 +118,7 @@ TEST(LightPicture, PlaneIsAWindow)
     EXPECT_EQ(look_up(tables, {-0.01, -0.02, 1}), 3);
 }
 
-/// Rows from 30 to 90 degrees, columns at quarters of a turn: counter-clockwise, seen from where the light comes from.
+/// Rows from 30 to 90 degrees, columns every quarter turn, counterclockwise as seen against the emission direction.
 TEST(LightPicture, AnglesHaveTheirValues)
 {
     LightTables tables = tables_of(LightPictureMap::angles, 4, 3, {1, 2, 3, 4, 10, 20, 30, 40, 100, 200, 300, 400});
@@ -137,13 +137,13 @@ TEST(LightPicture, AnglesHaveTheirValues)
     EXPECT_NEAR(at(90, 180), 300, 1e-3);
     EXPECT_NEAR(at(75, 180), 165, 1e-3);
     EXPECT_NEAR(at(60, 45), 15, 1e-4);
-    EXPECT_NEAR(at(60, 315), 25, 1e-4);  // the last column and the first
+    EXPECT_NEAR(at(60, 315), 25, 1e-4);  // between the last column and the first
     EXPECT_NEAR(at(60, 359.99), 10, 1e-2);
     EXPECT_EQ(at(29.9, 0), 0);
     EXPECT_EQ(at(0, 0), 0);
     EXPECT_EQ(at(90.1, 0), 0);
     EXPECT_EQ(at(180, 0), 0);
-    // A profile that is round has one column.
+    // A rotationally symmetric profile has one column.
     LightTables round = tables_of(LightPictureMap::angles, 1, 2, {8, 4});
     round.light_pictures[1].scale_u = float(1 / (2 * std::numbers::pi));
     round.light_pictures[1].scale_v = float(1 / std::numbers::pi);
@@ -153,7 +153,7 @@ TEST(LightPicture, AnglesHaveTheirValues)
     EXPECT_NEAR(look_up(round, {0, 0, -1}), 4, 1e-5);
 }
 
-/// Lanes have pictures of different kinds and sizes at once.
+/// Lanes use images of different kinds and sizes at once.
 TEST(LightPicture, LanesDiffer)
 {
     LightTables tables = tables_of(LightPictureMap::plane, 1, 1, {5});

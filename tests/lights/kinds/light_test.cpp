@@ -33,7 +33,7 @@ LightRecord rectangle_light(Vec3d corner, Vec3d u, Vec3d v)
     return l;
 }
 
-/// Solid angle of a rectangle, by adding its parts' cosines over squared distances.
+/// Solid angle of a rectangle by summing cosine over squared distance of its parts.
 double solid_angle(Vec3d p, Vec3d corner, Vec3d u, Vec3d v)
 {
     constexpr int n = 400;
@@ -52,11 +52,11 @@ struct Place {
 };
 const Place places[] = {
     {{0, 0, 0}, {-1, -1, 2}, {2, 0, 0}, {0, 2, 0}},                // in front
-    {{0, 0, 0}, {1, 2, 0.5}, {3, 0, 0}, {0, 0.5, 0}},              // aside and near
-    {{0, 0, 0}, {-5, -5, 0.3}, {10, 0, 0}, {0, 10, 0}},            // nearly half of all directions
-    {{1, 2, 3}, {2, 2, 4}, {1, 1, 0}, {0, 0, 2}},                  // turned
-    {{278, 0, 200}, {213, 554, 227}, {130, 0, 0}, {0, 0, 105}},    // the Cornell box's lamp from its floor: far
-    {{278, 450, 200}, {213, 554, 227}, {130, 0, 0}, {0, 0, 105}},  // and from near below
+    {{0, 0, 0}, {1, 2, 0.5}, {3, 0, 0}, {0, 0.5, 0}},              // to the side and near
+    {{0, 0, 0}, {-5, -5, 0.3}, {10, 0, 0}, {0, 10, 0}},            // nearly a hemisphere
+    {{1, 2, 3}, {2, 2, 4}, {1, 1, 0}, {0, 0, 2}},                  // rotated
+    {{278, 0, 200}, {213, 554, 227}, {130, 0, 0}, {0, 0, 105}},    // the Cornell box's light from its floor: far
+    {{278, 450, 200}, {213, 554, 227}, {130, 0, 0}, {0, 0, 105}},  // from near below
 };
 
 TEST(Rectangle, SolidAngleIsThatOfItsParts)
@@ -82,7 +82,7 @@ TEST(Rectangle, IsSampledUniformlyByAngleFromNearAndByAreaFromFar)
         const LightReader<false> light(&table, UInt(0u));
         const Vec3 p(Vec3f{float(place.p.x), float(place.p.y), float(place.p.z)});
         test::Random random;
-        // Cells of the rectangle; each expects its share of the solid angle, or of the area.
+        // Cells of the rectangle; the expected share is that of their solid angle or area.
         const bool far = length(place.corner + (place.u + place.v) * 0.5 - place.p) > length(place.u + place.v);
         constexpr int cells = 8;
         std::vector<double> observed(cells * cells), expected(cells * cells);
@@ -117,7 +117,7 @@ TEST(Rectangle, IsSampledUniformlyByAngleFromNearAndByAreaFromFar)
     }
 }
 
-/// The mean of inverse_pdf * cosine-free light over samples is the solid angle; checks kinds sampled by area.
+/// The mean of inverse_pdf without the cosine estimates the solid angle; for kinds sampled by area.
 double estimate_solid_angle(const LightRecord& table, Vec3 p)
 {
     const LightReader<false> light(&table, UInt(0u));
@@ -195,7 +195,7 @@ void perpendicular(Vec3d n, Vec3d& s, Vec3d& t)
     t = cross(n, s);
 }
 
-/// Calls f(direction, distance, inverse_pdf, pdf of pdf_light) for so many samples of a light.
+/// Calls f(direction, distance, inverse_pdf, pdf of pdf_light) for n samples of a light.
 template <class F>
 void for_samples(const LightRecord& table, Vec3d from, float time, int n, F&& f)
 {
@@ -212,8 +212,8 @@ void for_samples(const LightRecord& table, Vec3d from, float time, int n, F&& f)
     }
 }
 
-/// The mean of the inverse density, as above, is a constant for a sphere, whatever directions are sampled. These are
-/// looked at here: in cells of cosine and azimuth about the centre's direction, all alike.
+/// For a sphere the mean of inverse_pdf is right for any directions, so their distribution is tested too: cells of
+/// equal solid angle in cosine and azimuth about the center's direction.
 TEST(Sphere, IsSampledUniformlyInTheConeThatItFills)
 {
     struct Case {
@@ -228,7 +228,7 @@ TEST(Sphere, IsSampledUniformlyInTheConeThatItFills)
         table.radius = float(c.radius);
         const double d = length(c.center), sin2 = c.radius * c.radius / (d * d);
         const bool outside = sin2 < 1;
-        // 1 - cos of the cone, or of all directions.
+        // 1 - cos of the cone, or 2 for all directions.
         const double spread = outside ? sin2 / (1 + std::sqrt(1 - sin2)) : 2;
         const Vec3d n = normalize(c.center);
         Vec3d s, t;
@@ -244,10 +244,10 @@ TEST(Sphere, IsSampledUniformlyInTheConeThatItFills)
             ++observed[std::size_t(
                 std::clamp(int(lost / spread * rings), 0, rings - 1) * sectors +
                 std::clamp(int((std::atan2(y, x) / (2 * std::numbers::pi) + 0.5) * sectors), 0, sectors - 1))];
-            // The nearer of both places where the line meets the sphere, or the one in front.
+            // The nearer of both intersections from outside, the one in front from inside.
             const double b = z * d, root = std::sqrt(std::max(0.0, c.radius * c.radius - d * d * sine2));
             ASSERT_NEAR(distance, outside ? b - root : b + root, 2e-3 * d);
-            // Seen from outside what shines outwards, from inside what shines inwards.
+            // Only the side that faces the viewpoint emits: the outside if radius > 0, else the inside.
             const bool shines = outside == (c.radius > 0);
             ASSERT_NEAR(inverse, shines ? 2 * std::numbers::pi * spread : 0, 2e-5 * spread);
             ASSERT_NEAR(pdf * 2 * std::numbers::pi * spread, 1, 1e-5);
@@ -275,7 +275,7 @@ TEST(Sphere, IsSampledWhereItIsByThen)
     }
 }
 
-/// Points uniform over the area, in cells of their own coordinates, with the density that belongs to that.
+/// Points are uniform over the area, with the pdf of uniform area sampling.
 TEST(FlatLights, AreSampledUniformlyByArea)
 {
     const Vec3d corner{1, -1, 2}, u{2, 0.5, 0}, v{0.3, 1, 1}, n = cross(u, v), from{0.2, 0.1, -0.5};
@@ -305,7 +305,7 @@ TEST(FlatLights, AreSampledUniformlyByArea)
                 a = (x * x + y * y) / (0.75 * 0.75), b = std::atan2(y, x) / (2 * std::numbers::pi) + 0.5;
             } else if (kind == LightRecordKind::triangle) {
                 ASSERT_LE(a + b, 1 + 1e-5);
-                // To a square, keeping areas: of the triangle that begins at the corner, by its share and its side.
+                // Area-preserving map of the triangle to the square, from the corner.
                 const double share = (a + b) * (a + b);
                 b = a + b > 0 ? b / (a + b) : 0, a = share;
             }
@@ -322,7 +322,7 @@ TEST(FlatLights, AreSampledUniformlyByArea)
     }
 }
 
-/// In front something arrives, behind nothing, unless both sides shine.
+/// Light arrives in front of a flat light only, unless it is two-sided.
 TEST(FlatLights, ShineToTheSideOfTheirNormal)
 {
     for (const LightRecordKind kind :
@@ -366,8 +366,8 @@ TEST(PointLight, FallsOffWithTheSquareOfTheDistance)
     }
 }
 
-/// KHR_lights_punctual: full within the inner cone, none outside the outer one, between them the square of the cosine's
-/// share of the way.
+/// KHR_lights_punctual: full intensity inside the inner cone, zero outside the outer, between them the squared fraction
+/// of the cosine.
 TEST(SpotLight, FallsOffBetweenItsCones)
 {
     const double inner = 0.4, outer = 0.9;
@@ -430,7 +430,7 @@ TEST(DirectionalLight, ComesFromOneDirectionOrADisk)
         EXPECT_TRUE(std::isinf(first(s.distance)));
         EXPECT_TRUE(first(s.is_delta));
     }
-    // A disk: directions uniform within its cone, of which the inverse density is the solid angle.
+    // A disk: directions are uniform within its cone, so inverse_pdf is the solid angle.
     table.radius = 0.2f;  // 1 - cos
     Vec3d s, t;
     perpendicular(-travels, s, t);
@@ -454,10 +454,10 @@ TEST(Sphere, FromInsideEveryDirectionIsAlikeAndTheRightSideShows)
 {
     LightRecord table;
     table.kind = std::uint32_t(LightRecordKind::sphere);
-    table.radius = -10;  // shines inwards
+    table.radius = -10;  // emits inwards
     const LightReader<false> light(&table, UInt(0u));
     EXPECT_NEAR(estimate_solid_angle(table, Vec3(Float(1), Float(2), Float(3))), 4 * std::numbers::pi, 1e-3);
-    table.radius = 10;  // shines outwards only: dark inside
+    table.radius = 10;  // emits outwards only, so it is dark inside
     EXPECT_EQ(estimate_solid_angle(table, Vec3(Float(1), Float(2), Float(3))), 0);
 }
 

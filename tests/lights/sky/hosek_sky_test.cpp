@@ -8,7 +8,7 @@
 namespace fathom {
 namespace {
 
-/// What Mitsuba 3.9.1's `sunsky` shows; between the table's turbidities, albedos and heights of the sun, too.
+/// Values of Mitsuba 3.9.1's `sunsky`, also between the table's turbidities, albedos and solar elevations.
 TEST(HosekSky, IsMitsubas)
 {
     const struct {

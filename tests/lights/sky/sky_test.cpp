@@ -17,14 +17,14 @@ double luminance(const Color& c)
     return 0.2126 * double(c.r) + 0.7152 * double(c.g) + 0.0722 * double(c.b);
 }
 
-/// To the sun, at an elevation in degrees, above +x.
+/// Direction to the sun above +x at an elevation in degrees.
 Vec3d sun_at(double elevation_deg)
 {
     const double e = elevation_deg * std::numbers::pi / 180;
     return {std::cos(e), std::sin(e), 0};
 }
 
-/// Straight up, exponential densities and the triangle of ozone have closed forms.
+/// Optical depth straight up: exponential densities and the triangular ozone profile have closed forms.
 TEST(Sky, DepthsStraightUp)
 {
     for (double height : {0.0, 2.0, 12.0}) {
@@ -37,17 +37,18 @@ TEST(Sky, DepthsStraightUp)
         const double below = height > 10 ? (height - 10) * (height - 10) / 30 : 0;
         EXPECT_NEAR(depths.ozone, 15 - below, 0.01);
     }
-    // The optical depth of the molecules of all air at 550 nm is 0.097 (A. Bucholtz, 1995): Bruneton's is a tenth more.
+    // Rayleigh optical depth of the atmosphere at 550 nm is 0.097 (Bucholtz 1995); Bruneton's coefficients are a tenth
+    // higher.
     EXPECT_NEAR(-std::log(Sky::transmittance({8, 0, 0}, 550)), 0.103, 0.008);
     EXPECT_NEAR(-std::log(Sky::transmittance({0, 1.2, 0}, 550)), 0.1, 1e-12);
-    // It goes by the inverse fourth power of the wavelength.
+    // Rayleigh scattering is proportional to wavelength^-4.
     EXPECT_NEAR(std::log(Sky::transmittance({1, 0, 0}, 400)) / std::log(Sky::transmittance({1, 0, 0}, 600)),
                 std::pow(1.5, 4), 1e-9);
-    // 300 Dobson units take some 3.5 % of what is most absorbed, at 600 nm (Chappuis).
+    // 300 Dobson units absorb about 3.5 % near 600 nm (Chappuis band).
     EXPECT_NEAR(1 - Sky::transmittance({0, 0, 15}, 600), 0.04, 0.006);
 }
 
-/// The air mass of Kasten and Young (1989), an independent fit, at elevations down to the horizon.
+/// Air mass of Kasten and Young (1989), an independent fit, at elevations down to the horizon.
 TEST(Sky, AirMassTowardsTheHorizon)
 {
     const double up = Sky::depths_to_space(0, 1).molecules;
@@ -55,13 +56,13 @@ TEST(Sky, AirMassTowardsTheHorizon)
         const double mass =
             1 / (std::sin(elevation * std::numbers::pi / 180) + 0.50572 * std::pow(elevation + 6.07995, -1.6364));
         const double found = Sky::depths_to_space(0, std::sin(elevation * std::numbers::pi / 180)).molecules / up;
-        // Of straight rays; real ones are bent, which is 5 % at 2 degrees.
+        // Straight rays are assumed; atmospheric refraction is 5 % at 2 degrees.
         EXPECT_NEAR(found / mass, 1, elevation > 9 ? 0.01 : 0.06) << elevation;
     }
 }
 
-/// Above the air the sun gives 133 klx. High in a clear sky 100 to 120 klx of that arrive, and the sky adds a tenth to
-/// a quarter of it on the ground.
+/// The sun gives 133 klx above the atmosphere; 100 to 120 klx reach the ground from high in a clear sky, which adds a
+/// tenth to a quarter of that.
 TEST(Sky, SunAndSkyInProportion)
 {
     const double klx = 133.3 / std::numbers::pi;
@@ -81,12 +82,12 @@ TEST(Sky, SunAndSkyInProportion)
     const double horizontal = sun * std::sin(std::numbers::pi / 3);
     EXPECT_GT(from_sky * klx / horizontal, 0.08);
     EXPECT_LT(from_sky * klx / horizontal, 0.25);
-    // The ground is a fifth of all that, spread over the half sphere.
+    // The ground reflects a fifth of the total illuminance over the hemisphere.
     const double ground = luminance(sky.radiance({0.8, -0.6, 0}));
     EXPECT_NEAR(ground / (0.2 / std::numbers::pi * (horizontal / klx + from_sky)), 1, 0.02);
 }
 
-/// Of the sky on a horizontal surface, klx.
+/// Illuminance of a horizontal surface by the sky, in klx.
 double diffuse_klx(const Sky& sky)
 {
     constexpr double klx = 133.3 / std::numbers::pi;
@@ -108,15 +109,15 @@ TEST(Sky, IlluminanceAsMeasured)
         const double sine = std::sin(elevation * std::numbers::pi / 180);
         const double sun = 127.5 * std::exp(-0.21 / sine), sky = 0.8 + 15.5 * std::sqrt(sine);
         EXPECT_NEAR(luminance(Sky::sun_irradiance(sun_at(elevation))) * klx / sun, 1, 0.03) << elevation;
-        // Without what is scattered more than once it is 12 to 18 % less.
+        // Without multiple scattering it is 12 to 18 % lower.
         const double ratio = diffuse_klx(Sky(sun_at(elevation))) / sky;
         EXPECT_GT(ratio, 1) << elevation;
         EXPECT_LT(ratio, 1.2) << elevation;
     }
 }
 
-/// Against the zenith, in the plane across the sun's and away from the sun: type 12 of the skies of ISO 15469, clear
-/// and little turbid. Light that was scattered once alone is half of that at the horizon, opposite a low sun twice.
+/// Luminance relative to the zenith, perpendicular to the sun's plane and opposite to the sun: ISO 15469 type 12, a
+/// clear sky with low turbidity. Single scattering gives half of that at the horizon, opposite a low sun twice.
 TEST(Sky, BrightnessAsTheStandardClearSky)
 {
     for (double elevation : {20., 30., 45.}) {
@@ -139,7 +140,7 @@ TEST(Sky, BrightnessAsTheStandardClearSky)
                 EXPECT_NEAR(ratio / standard(d), 1, 0.55) << elevation << " " << height_deg << " " << away;
                 EXPECT_GT(luminance(sky.radiance(d)), 1.1 * luminance(sky.scattered_once(d)));
             }
-        // The horizon is whiter than the zenith, and brighter.
+        // The horizon is whiter and brighter than the zenith.
         const Color zenith = sky.radiance({0, 1, 0}), low = sky.radiance({0, 0.05, std::sqrt(1 - 0.0025)});
         EXPECT_GT(luminance(low), 2 * luminance(zenith));
         EXPECT_LT(low.b / low.r, 0.75f * zenith.b / zenith.r);
@@ -152,10 +153,10 @@ TEST(Sky, IsBlueAboveAndBrighterAtTheHorizon)
     const Color zenith = sky.radiance({0, 1, 0});
     EXPECT_GT(zenith.b, 1.4f * zenith.g);
     EXPECT_GT(zenith.g, 1.2f * zenith.r);
-    // Across from the sun, and beside it.
+    // Opposite to the sun, and beside it.
     for (const Vec3d& d : {Vec3d{-0.996, 0.087, 0}, {0, 0.087, 0.996}})
         EXPECT_GT(luminance(sky.radiance(d)), 1.3 * luminance(zenith));
-    // Symmetric about the plane of the sun, and bright around it.
+    // Symmetric about the sun's plane, and bright around it.
     const Color left = sky.radiance({0.6, 0.48, 0.64}), right = sky.radiance({0.6, 0.48, -0.64});
     EXPECT_NEAR(left.g, right.g, 1e-6f * left.g);
     EXPECT_GT(luminance(sky.radiance(sun_at(48))), 5 * luminance(zenith));
@@ -173,7 +174,7 @@ TEST(Sky, TheSunReddensAndSets)
     }
     EXPECT_GT(redness, 3);
     EXPECT_EQ(luminance(Sky::sun_irradiance(sun_at(-1))), 0);
-    // Twilight: there is still light above, a small part of the day's.
+    // Twilight: a small part of the daylight remains.
     const double day = luminance(Sky(sun_at(30)).radiance({0, 1, 0}));
     const double dusk = luminance(Sky(sun_at(-3)).radiance({0, 1, 0}));
     EXPECT_GT(dusk, 1e-5 * day);
@@ -187,7 +188,8 @@ TEST(Sky, TheSunReddensAndSets)
     }
 }
 
-/// Luminance against the integral in small, even steps, with the way of each part to the sun found anew.
+/// Luminance against plain numerical integration in small equal steps, with the transmittance to the sun integrated at
+/// each.
 TEST(Sky, ScatteringAgainstAPlainSum)
 {
     const Vec3d to_sun = sun_at(35);
@@ -220,7 +222,7 @@ TEST(Sky, ScatteringAgainstAPlainSum)
         }
         return sum;
     };
-    // Luminance is mostly of the bands around 555 nm; its spectrum by the eye's curve over wide steps.
+    // Luminance from the spectrum weighted by the luminous efficiency function in wide steps, mostly near 555 nm.
     const auto plain_luminance = [&](const Vec3d& d) {
         double sum = 0, weight = 0;
         for (int i = 0; i < 11; ++i) {
@@ -234,7 +236,7 @@ TEST(Sky, ScatteringAgainstAPlainSum)
         EXPECT_NEAR(luminance(sky.scattered_once(d)) / plain_luminance(d), 1, 0.03) << d.y;
 }
 
-/// With ground the lower half of its picture is lit, without it is black; the sky is the same.
+/// The lower half of the sky image shows lit ground, or black without one; the upper half is equal.
 TEST(Sky, WithoutGround)
 {
     SceneDescription d;

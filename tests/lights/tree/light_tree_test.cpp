@@ -19,7 +19,7 @@ void put(float* to, Vec3d v)
     to[0] = float(v.x), to[1] = float(v.y), to[2] = float(v.z);
 }
 
-/// Independent numbers, as plain doubles.
+/// Independent random numbers, as plain doubles.
 class Chance {
 public:
     explicit Chance(unsigned seed) : engine_(seed) {}
@@ -38,7 +38,7 @@ private:
 
 constexpr double close_time = 0.5;
 
-/// A light of any kind, its power as the compiler estimates it.
+/// A light of any kind, with its power as estimated by the light compiler.
 LightRecord random_light(Chance& chance, double room, double size, double& power)
 {
     constexpr double pi = std::numbers::pi;
@@ -89,7 +89,7 @@ struct Lamps {
     LightTables tables;
     double room;
 
-    /// `placed` lights in a room that reaches so far from the origin, and a few directions beside them.
+    /// `placed` lights in a room of the given extent around the origin, and some directional lights.
     Lamps(unsigned seed, std::uint32_t placed, double size, std::uint32_t directions = 0, double extent = 10)
         : room(extent)
     {
@@ -120,10 +120,10 @@ Vec3 as_lanes(Vec3d p)
     return Vec3(Vec3f{float(p.x), float(p.y), float(p.z)});
 }
 
-/// Numbers of lights on both sides of what a node holds, and more levels.
+/// Numbers of lights below and above a node's capacity, and trees of several levels.
 constexpr std::uint32_t sizes[] = {1, 2, 7, 16, 17, 40, 300};
 
-/// Calls f(lamps, selector, number of lights, seed) for trees of each size, also with directions beside them.
+/// Calls f(lamps, selector, number of lights, seed) for trees of each size, also with directional lights.
 template <class F>
 void for_each_size(unsigned seed, F&& f)
 {
@@ -134,7 +134,7 @@ void for_each_size(unsigned seed, F&& f)
         }
 }
 
-/// Of each light to be selected.
+/// Selection probability of each light.
 std::vector<double> probabilities(const Lamps& lamps, const LightSelector& selector, std::uint32_t count, Vec3 p)
 {
     std::vector<double> pmf;
@@ -154,7 +154,7 @@ TEST(LightTree, ProbabilitiesAddUpToOne)
     });
 }
 
-/// By random numbers; and what select() says of the probability is what pmf() finds again.
+/// Histogram of selected lights; select() and pmf() return the same probability.
 void expect_as_often_as_probable(const Lamps& lamps, const LightSelector& selector, std::uint32_t count, Vec3 p,
                                  unsigned seed)
 {
@@ -184,7 +184,7 @@ TEST(LightTree, SelectsAsOftenAsItsProbabilitySays)
     });
 }
 
-/// Weights are small numbers there, so that each number at the end of one counts.
+/// All weights are 0 and the probabilities small, so rounding at interval ends matters.
 TEST(LightTree, WhereNothingReachesLightsAreSelectedAsOftenAsTheirProbabilitySays)
 {
     for (const std::uint32_t n : {11u, 300u}) {
@@ -202,7 +202,7 @@ TEST(LightTree, WhereNothingReachesLightsAreSelectedAsOftenAsTheirProbabilitySay
     }
 }
 
-/// Lanes see different points, and idle ones change nothing.
+/// Lanes have different points, and inactive lanes change nothing.
 TEST(LightTree, EachLaneSeesItsOwnPoint)
 {
     for (const std::uint32_t n : {9u, 120u}) {
@@ -230,7 +230,7 @@ TEST(LightTree, EachLaneSeesItsOwnPoint)
     }
 }
 
-/// The bits behind the 24 of a float decide too, where a boundary lies between two floats.
+/// If a boundary lies between two adjacent 24-bit random numbers, the additional noise bits decide.
 TEST(LightTree, NoiseDecidesBetweenTwoFloats)
 {
     const Lamps lamps(11, 300, 1);
@@ -250,8 +250,8 @@ TEST(LightTree, NoiseDecidesBetweenTwoFloats)
     EXPECT_EQ(light(lo, 1 - 0x1p-24f), light(hi, 0));
 }
 
-/// Brute force: whatever a sample finds shining has a probability. Points lie about the room, near the lights, and in
-/// the planes of flat ones.
+/// Brute force: every light that a sample finds emitting has a positive probability. Points are in the room, near
+/// lights, and in planes of flat lights.
 TEST(LightTree, WhateverShinesMayBeSelected)
 {
     std::size_t shining = 0, dark = 0;
@@ -267,7 +267,7 @@ TEST(LightTree, WhateverShinesMayBeSelected)
                     const Vec3d at{double(l.position[0]), double(l.position[1]), double(l.position[2])},
                         normal{double(l.normal[0]), double(l.normal[1]), double(l.normal[2])};
                     Vec3d p = k < 2 ? chance.point(20) : at + chance.point(k < 5 ? 0.3 : 5);
-                    // A little before the plane.
+                    // Slightly in front of the plane.
                     if (k % 2) p = p - normal * (dot(p - at, normal) - 1e-4);
                     const Float time = random.next() * Float(float(close_time));
                     const LightSample s = sample_light(lamps.light(i), as_lanes(p), time, random.next2(), Mask(true));
@@ -285,7 +285,7 @@ TEST(LightTree, WhateverShinesMayBeSelected)
     EXPECT_GT(dark, 1000u);
 }
 
-/// At all times.
+/// Bounding spheres contain moving lights at all times.
 TEST(LightTree, BallsHoldWhatMoves)
 {
     const Lamps lamps(5, 100, 1);
@@ -303,7 +303,7 @@ TEST(LightTree, BallsHoldWhatMoves)
     }
 }
 
-/// What the middle of a flat, one-sided light brings to a point of a surface.
+/// Irradiance of a surface point from the center of a flat, one-sided light.
 double irradiance(const LightRecord& l, Vec3d p, Vec3d n)
 {
     const auto vector = [](const float* v) { return Vec3d{double(v[0]), double(v[1]), double(v[2])}; };
@@ -313,7 +313,7 @@ double irradiance(const LightRecord& l, Vec3d p, Vec3d n)
     return double(l.area) * cosines / distance2;
 }
 
-/// Triangles of random sizes all about a room, as bench/many_lights.py has them.
+/// Triangles of random sizes in a room, as in bench/many_lights.py.
 Lamps triangles(unsigned seed, std::uint32_t n)
 {
     Lamps lamps(seed, n, 1);
@@ -339,7 +339,7 @@ Lamps triangles(unsigned seed, std::uint32_t n)
     return lamps;
 }
 
-/// So that no way down is needed for what is chosen most; but half of the children are left to the others.
+/// Strong lights need no traversal because they are children of the root; half of its children remain for the others.
 TEST(LightTree, LightsThatAreStrongAreChildrenOfTheRoot)
 {
     for (const std::uint32_t strong : {1u, 3u, 11u}) {
@@ -358,7 +358,7 @@ TEST(LightTree, LightsThatAreStrongAreChildrenOfTheRoot)
     }
 }
 
-/// The mean of what selected lights bring over their probability is what all bring together.
+/// The mean of contribution over probability of selected lights is the total contribution.
 TEST(LightTree, EstimatesTheSum)
 {
     for (unsigned seed = 1; seed <= 20; ++seed) {
@@ -386,7 +386,7 @@ TEST(LightTree, EstimatesTheSum)
     }
 }
 
-/// Beams side by side: in the middle of one of them none of the others is ever chosen, though it is near.
+/// Parallel beams: inside one of them, the others are never selected, even if they are near.
 TEST(LightTree, NarrowLightsAreChosenWhereTheyReach)
 {
     for (const std::uint32_t n : {9u, 40u}) {
@@ -412,8 +412,8 @@ TEST(LightTree, NarrowLightsAreChosenWhereTheyReach)
     }
 }
 
-/// 10,000 lights: the variance of direct light, exactly, by summing over all lights. Measured: a twentieth of that by
-/// power.
+/// 10,000 lights: exact variance of direct light by summing over all lights. Measured: a twentieth of that of power
+/// sampling.
 TEST(LightTree, VarianceIsFarBelowThatByPower)
 {
     const Lamps lamps = triangles(1, 10000);

@@ -24,7 +24,7 @@ LightTables lights(const std::vector<double>& powers)
 
 const Vec3 origin(Vec3f{0, 0, 0});
 
-/// Each light comes as often as its probability says: strata of the unit interval leave no room for chance.
+/// Selection frequencies equal the probabilities, tested with stratified numbers that leave no randomness.
 TEST(LightSelector, SelectsAsOftenAsItsProbabilitySays)
 {
     for (const std::vector<double>& powers : {std::vector<double>{1},
