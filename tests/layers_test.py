@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 """Checks every include of src/ against the table of docs/architecture.md: which folder may include which.
 
-A folder of src/ is a noun; some nouns have stations that stand above others, such as the compile station. The longest
-prefix of a path in `allowed` names its layer.
+A folder of src/ holds one noun; some have stages in layers of their own, such as compile. The longest prefix of a path
+in `allowed` is its layer.
 
 usage: layers_test.py ROOT
 """
@@ -12,16 +12,16 @@ import sys
 
 root = pathlib.Path(sys.argv[1])
 
-# Lane code: everything that is compiled once per instruction set.
+# Lane code is compiled once per instruction set.
 primitives = {"base", "math"}
 lanes = primitives | {"sampling", "geometry", "textures", "materials", "media", "lights", "guiding", "film", "kernel"}
-# The compile stations of all nouns; they run on the host and share compile/compiler.h.
+# The compile stages of all nouns run on the host and share compile/compiler.h.
 stations = {"compile", "textures/compile", "materials/compile", "media/compile", "geometry/compile", "geometry/displacement",
             "lights/compile", "lights/sky", "lights/ies", "lights/tree/build_tree", "lights/environment/compile_environment",
             "lights/environment/studio"}
 host = {"base", "scene", "image"}
 
-# What each layer may include beside itself and the public headers. Public headers include nothing below.
+# Layers that each layer may include besides itself and the public headers. Public headers include none of them.
 allowed = {
     "base": set(),
     "math": {"base"},
@@ -48,7 +48,7 @@ allowed = {
 }
 for station in stations:
     allowed[station] = stations | host | lanes
-# Headers that a layer may know of another, where it may not know all.
+# Single headers that a layer may include from another one.
 only = {
     ("kernel", "film"): {"film/tile_sums.h", "film/exact_sum.h"},
     ("integrate", "film"): {"film/tile_sums.h", "film/exact_sum.h"},
@@ -57,7 +57,7 @@ only = {
     ("session", "guiding"): {"guiding/records.h"},
     ("film/file", "image"): {"image/codecs/exr_parts.h"},
 }
-# Host code knows records, tables and the kernel's interface, but no lane code.
+# Host code may include records, tables and the kernel's interface, but no lane code.
 for station in stations:
     only[station, "kernel"] = {"kernel/kernel.h", "kernel/tables.h", "kernel/camera_record.h"}
     only[station, "materials"] = {"materials/records.h", "materials/closures/measured_tables.h"}
@@ -67,7 +67,7 @@ for station in stations:
 
 
 def layer(name):
-    """The layer of a file or include, by the longest prefix; None where it is in no folder of the table."""
+    """Layer of a file or include by the longest prefix; None if no folder of the table contains it."""
     parts = re.sub(r"\.\w+$", "", name).split("/")
     for n in range(len(parts), 0, -1):
         prefix = "/".join(parts[:n])

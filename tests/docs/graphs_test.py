@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The graphs in docs/images/graphs are what scripts/graphs.py makes of docs/measurements.
+"""Checks that docs/images/graphs contains what scripts/graphs.py draws from docs/measurements.
 
 usage: graphs_test.py ROOT
 """

@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
-"""Links of the documents: each relative link and #anchor leads somewhere, and each page of docs/ is reachable from docs/README.md.
+"""Checks that relative links and #anchors of the documents resolve, and that docs/README.md leads to each page of docs/.
 
 usage: links_test.py ROOT
 
-Looked at are README.md, CONTRIBUTING.md and other pages of the root, every page of docs/, and every README.md of a folder.
-Links to the web are not followed. Code blocks are left out.
+Covers the pages of the root such as README.md, every page of docs/, and the README.md of every folder. Web links are not
+followed, and code blocks are ignored.
 """
 import pathlib
 import re
@@ -30,7 +30,7 @@ def pages():
 
 
 def prose(text):
-    """The text without its code: blocks between fences, indented blocks after an empty line, and spans."""
+    """The text without code: fenced blocks, indented blocks after an empty line, and code spans."""
     lines, fence, indented, empty, in_list = [], None, False, True, False
     for line in text.splitlines():
         mark = re.match(r"\s*(```+|~~~+)", line)
@@ -58,7 +58,7 @@ def links(text):
 
 
 def anchors(text):
-    """As GitHub makes them of headings."""
+    """Anchors that GitHub derives from the headings."""
     found, count, fenced = set(), {}, False
     for line in text.splitlines():
         if re.match(r"\s*(```|~~~)", line):
@@ -75,7 +75,7 @@ def anchors(text):
 
 
 def target(page, link):
-    """The file and the anchor that a link of a page leads to; nothing for the web."""
+    """(file, anchor) of a relative link of a page; None for a web link."""
     if re.match(r"[a-zA-Z][a-zA-Z0-9+.-]*:", link):
         return None
     name, _, anchor = link.partition("#")
@@ -108,7 +108,7 @@ class Links(unittest.TestCase):
                 place = target(page, link)
                 if place and place[0] not in seen and place[0].exists():
                     seen.add(place[0])
-                    # From pages outside of docs no further: the index itself has to lead to what is inside.
+                    # Links are followed only from pages in docs/, because the index itself must lead to all of them.
                     if place[0].suffix == ".md" and ROOT / "docs" in place[0].parents:
                         waiting.append(place[0])
         lost = [str(page.relative_to(ROOT)) for page in sorted((ROOT / "docs").rglob("*.md")) if page not in seen]

@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
-"""What documents quote is there: messages of docs/troubleshooting.md in the sources, names of docs/library.md in the public headers.
+"""Checks quotes in documents: messages of docs/troubleshooting.md in the sources, names of docs/library.md in the headers.
 
 usage: names_test.py ROOT
 
-A message is a line in a block that is marked `text`, or a code span of several words in the first column of a table. Its names and numbers are an example's,
-so it counts as there if most pairs of neighboring words stand in string literals of the sources.
+A message is a line in a block marked `text`, or a code span of several words in the first column of a table. Its names and
+numbers are examples, so it is found if most pairs of neighboring words occur in string literals of the sources.
 """
 import pathlib
 import re
@@ -14,12 +14,12 @@ import unittest
 ROOT = pathlib.Path(sys.argv.pop(1) if len(sys.argv) > 1 else pathlib.Path(__file__).parents[2]).resolve()
 ENOUGH = 0.6
 LITERAL = re.compile(r'"((?:[^"\\\n]|\\.)*)"')
-# What stands between two literals that the compiler joins.
+# Separator of adjacent literals that the compiler joins.
 JOINED = re.compile(r'"\s*"')
 
 
 def string_literals():
-    """Of src and apps, one behind the other; neighboring ones joined, as the compiler does."""
+    """All string literals of src and apps as one text; adjacent literals are joined, as in the compiler."""
     found = []
     for folder in "src", "apps":
         for file in sorted((ROOT / folder).rglob("*")):
@@ -37,7 +37,7 @@ def messages(text):
 
 
 def share_found(message, literals):
-    """Of pairs of neighboring words without digits and without what is a name of the example."""
+    """Fraction of pairs of neighboring words that occur, without words with digits and names of the example."""
     words = message.removeprefix("fathom: ").removeprefix("warning: ").split()
     pairs = [f"{a} {b}" for a, b in zip(words, words[1:]) if re.fullmatch(r"[^\d']+[^\d':]", a) and re.fullmatch(r"[^\d']+", b)]
     return sum(pair.rstrip(".,;:)") in literals for pair in pairs) / max(1, len(pairs))

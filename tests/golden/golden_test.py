@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
-"""Renders small pictures of every feature and compares their hashes with those in hashes.txt, one hash a picture: bits depend
-neither on the instruction set, of which all that this machine has are tried, nor on the number of threads.
+"""Renders small images of every feature and compares their hashes with hashes.txt. There is one hash per image, because the
+bits depend neither on the instruction set (all that this machine supports are tested) nor on the number of threads.
 
 usage: golden_test.py FATHOM PICTURE_HASH [--accept] [--only NAME ...]
 
---accept writes the new hashes. Whoever does that looks at the pictures before and after, and says in the commit why they differ."""
+--accept writes the new hashes. Compare the images before and after, and explain the difference in the commit."""
 import argparse
 import concurrent.futures
 import glob
@@ -16,7 +16,7 @@ import tempfile
 
 HERE = pathlib.Path(__file__).resolve().parent
 LIST = HERE / "hashes.txt"
-LEVELS = ["none", "x86-64-v3", "x86-64-v4"]  # "none" matches no folder: the base library
+LEVELS = ["none", "x86-64-v3", "x86-64-v4"]  # "none" matches no folder, which selects the base library
 LAYERS = "albedo,normal,depth,position,instance,material,variance"
 
 
@@ -28,7 +28,7 @@ def run(command):
 
 
 def read_list():
-    """Lines of a hash, the picture's name, its scene, and options."""
+    """Lines of hash, image name, scene and options."""
     for number, line in enumerate(LIST.read_text().splitlines(), 1):
         words = line.split()
         if not words or words[0] == "#":
@@ -39,7 +39,7 @@ def read_list():
 
 
 def levels_of(program):
-    """Ways to run the program, by the name of the kernel that they get."""
+    """Commands to run the program, by the name of the kernel that they select."""
     loaders = glob.glob("/lib64/ld-linux-x86-64.so.2")
     if not loaders:
         return {"as it is": [program]}

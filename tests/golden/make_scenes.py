@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
-"""Makes the small scenes of tests/golden/scenes, which together use every feature that a picture can show.
+"""Writes the small scenes of tests/golden/scenes, which together use every feature that affects an image.
 
 usage: make_scenes.py [FOLDER]      default: the folder `scenes` beside this file
 
-The scenes are part of the repository, so that a changed picture is a change of the program; run this after changing it, and
-accept the new pictures (golden_test.py --accept)."""
+The scenes are stored in the repository, so a changed image means that the program changed. After editing this script, run it
+and accept the new images (golden_test.py --accept)."""
 import base64
 import json
 import math
@@ -38,7 +38,7 @@ def with_material(**material):
 
 
 def wall(**material):
-    """Fills the picture."""
+    """A wall that fills the image."""
     return [{"material": material, "rectangle": {"corner": [-3, -1, 0], "edge_u": [6, 0, 0], "edge_v": [0, 4, 0]}}, FLOOR]
 
 
@@ -95,7 +95,7 @@ def assets():
         stl += struct.pack("<3f", 0, 0, 0)
         for i in f:
             x, y, z = points[i]
-            stl += struct.pack("<3f", x, -z, y)  # z is up in STL
+            stl += struct.pack("<3f", x, -z, y)  # STL has z up
         stl += b"\0\0"
     (FOLDER / "model.stl").write_bytes(stl)
     gltf()
@@ -116,7 +116,7 @@ def gltf():
         accessors.append({"bufferView": v, "componentType": component, "count": count, "type": kind, **more})
         return len(accessors) - 1
 
-    # Interleaved positions and normals of a bent quad, uv in 16 bits, colours in 8, one position by a sparse accessor.
+    # A bent quad: interleaved positions and normals, 16-bit uv, 8-bit colors, one position by a sparse accessor.
     corners = [(-0.8, 0, 0), (0.8, 0, 0.2), (0.7, 1.4, 0), (-0.7, 1.3, 0.3)]
     normals = [(-0.3, 0, 0.95), (0.3, 0, 0.95), (0.3, 0.3, 0.9), (-0.3, 0.3, 0.9)]
     mixed = view("f", [x for p, n in zip(corners, normals) for x in (*p, *n)], 24)
@@ -265,7 +265,7 @@ def textures():
         {"material": {"color": {"texture": {"image": "bands.png", "wrap_u": "octahedral", "wrap_v": "octahedral", "lookup": "nearest",
                                             "uv_scale": [2, 2], "uv_offset": [-0.5, -0.5]}}},
          "rectangle": {"corner": [0, 0, 0], "edge_u": [2, 0, 0], "edge_v": [0, 2, 0]}}])
-    # Of every shape that has ways along it, by what is computed in space and by pictures in either set of uv.
+    # Bump maps on every shape with tangents, by 3D textures and by images in both sets of texture coordinates.
     fbm, picture = {"kind": "fbm", "scale": 5, "octaves": 4}, {"image": "bands.png", "uv_scale": [2, 2]}
     write("bump", scene=[
         FLOOR, LAMP, {**BALL, "material": {"color": 0.7, "bump": {"texture": fbm, "value": 0.06}}},
@@ -276,7 +276,7 @@ def textures():
         {"mesh": {"positions": [[-0.9, 1.1, -0.6], [1, 1.1, -0.9], [0, 2.2, -0.5]], "uvs": [[0, 0]] * 3, "uvs_1": [[0, 1], [1, 1], [0.5, 0]],
                   "normals": [[-0.3, 0, 1], [0.3, 0, 1], [0, 0.3, 1]]},
          "material": {"color": 0.6, "bump": {"texture": {**picture, "uv_set": 1}, "value": -0.1}}}])
-    # A ball with a seam, a box with hard edges and a mesh, by a picture of few texels and by what is computed.
+    # Displacement of a sphere with a seam, a box with hard edges and a mesh, by a small image and by 3D textures.
     raised = {"color": 0.7, "displacement": {"texture": {"image": "bands.png", "uv_scale": [2, 1]}, "value": 0.2}}
     write("displacement", scene=[
         FLOOR, LAMP, {**BALL, "material": raised},
@@ -293,7 +293,7 @@ def textures():
 
 
 def hundreds_of_lamps():
-    """A light tree of several levels: triangles of all directions, balls, disks, spots, points and a sun."""
+    """A light tree of several levels: triangles of all orientations, spheres, disks, spots, points and a sun."""
     def place(i):
         return [2.6 * math.sin(2.4 * i), 0.3 + 2.4 * ((0.618 * i) % 1), 2.6 * math.cos(1.7 * i) - 0.5]
 
@@ -321,7 +321,7 @@ def hundreds_of_lamps():
 
 
 def moving_lamps():
-    """Of all shapes, in nodes that move, turn, grow and are sheared; with corners that move; and a point and spots."""
+    """Moving lights: all shapes in nodes that translate, rotate, scale and shear, moving vertices, a point and spots."""
     def lamp(i, motion=None, **shape):
         return {"material": {"kind": "none", "emission": [6 - i % 3, 5, 3 + i % 3], "emission_two_sided": i % 2 == 0}, **shape,
                 **({"motion": motion} if motion else {})}
@@ -346,7 +346,7 @@ def moving_lamps():
 
 
 def pictured_lights():
-    """Windows, maps of all directions, a luminaire and a spot; in nodes that stand, move and mirror."""
+    """Image lights: projectors, goniometric maps, an IES profile and a spot, in static, moving and mirroring nodes."""
     (FOLDER / "lamp.ies").write_text("IESNA:LM-63-2002\n[TEST] made up\nTILT=NONE\n1 1000 1\n5 3 1 1 0.1 0.1 0.1\n1 1 60\n0 20 45 90 110\n0 45 90\n"
                                      "3 2.8 1 0.2 0\n3 2.5 1.6 0.3 0.1\n3 1 0.4 0.2 0\n")
     down = {"rotate": {"axis": [1, 0, 0], "angle_deg": -80}}
@@ -366,7 +366,7 @@ def pictured_lights():
 
 
 def beams():
-    """Parallel light through rectangles and ellipses, in fog too; in nodes that stand, stretch and move."""
+    """Beams from rectangles and ellipses, also in fog, in static, stretching and moving nodes."""
     down = {"rotate": {"axis": [1, 0, 0.2], "angle_deg": -70}}
     write("beams", environment=None, camera={**CAMERA, "shutter": [0, 1]}, scene=[
         FLOOR, {**BALL, "material": {"color": 0.7}},
@@ -382,7 +382,7 @@ def beams():
 
 
 def glowing_curves():
-    """Round and flat, of lines and smooth ones, in the world, placed twice, and in a node that moves."""
+    """Emissive curves, round and ribbons, linear and cubic, in world space, instanced twice, and in a moving node."""
     points = lambda z: [[round(0.9 * math.sin(1.3 * i), 4), 1.2 + 0.2 * i, z + round(0.3 * math.cos(1.3 * i), 4), 0.02 + 0.01 * (i % 3)]
                         for i in range(7)]
     curves = lambda z, basis, style: {"curves": [points(z), points(z - 0.4)], "basis": basis, "style": style}
@@ -398,7 +398,7 @@ def glowing_curves():
 
 
 def hair():
-    """By each way to say its colour, round and flat, on curves and on a ball, with a texture; a lamp behind."""
+    """Hair with each color parameter, round and ribbons, on curves and on a sphere, with a texture and a backlight."""
     points = lambda z: [[0.25 * k - 0.9, 0.5 + 0.25 * (k % 3), z + 0.1 * (k % 2), 0.05 - 0.004 * k] for k in range(8)]
     curves = lambda z, style: {"curves": [points(z), points(z - 0.2)], "style": style}
     write("hair", scene=[
@@ -411,7 +411,7 @@ def hair():
 
 
 def measured():
-    """A metal alike from all sides and a brushed one, bent, on both sides of a sheet, and mixed; by lamp and sky."""
+    """An isotropic and a brushed measured metal: bump-mapped, two-sided and mixed, under a light and a sky."""
     (FOLDER / "gold.bsdf").write_bytes(measured_file.gold())
     (FOLDER / "brushed.bsdf").write_bytes(measured_file.brushed())
     gold, brushed = {"kind": "measured", "file": "gold.bsdf"}, {"kind": "measured", "file": "brushed.bsdf"}
@@ -426,7 +426,7 @@ def measured():
 
 
 def disney():
-    """Opaque, of brushed metal, coated, solid with a smaller one within, and a sheet; numbers by textures."""
+    """Disney materials: opaque, brushed metal, coated, nested solids and a thin sheet, with textured parameters."""
     ball = lambda x, z, r, **keys: {"material": {"kind": "disney", **keys}, "sphere": {"center": [x, r, z], "radius": r}}
     bands = lambda value: {"texture": {"image": "bands.png", "color_space": "linear"}, "value": value}
     write("disney", scene=[
@@ -439,7 +439,7 @@ def disney():
 
 
 def neighbours():
-    """Balls that each have something the next one has not: lanes of a gang must not change each other's bits."""
+    """Adjacent spheres with different features, because lanes must not change each other's bits."""
     parts = [{}, {"sheen_color": 0.5}, {"coat": 0.7, "coat_roughness": 0.2}, {"thin_film": 0.8}, {"diffuse_roughness": 0.6}, {"anisotropy": 0.7},
              {"specular": 0.5}, {"conductor": "copper"}, {"two_roughnesses": True, "anisotropy": 0.3}, {"sheen_color": 0.4, "sheen_reciprocal": True},
              {"specular": 0.5, "energy_compensation": False}, {"specular": 0.6, "beckmann": True}, {"specular": 0.6, "separable_shadowing": True},
@@ -454,7 +454,7 @@ def neighbours():
 
 
 def seen_through():
-    """Fog, a ball of fog within a sheet of glass, a pane of coloured glass, and lamps in and behind them."""
+    """Fog, a sphere of fog inside thin glass, a colored pane, and lights in and behind them."""
     fog = {"kind": "glass", "attenuation_distance": 0.5, "attenuation_color": [0.5, 0.4, 0.3], "transmission_scatter": 0.6}
     lamp = {"kind": "none", "emission": [9, 8, 7]}
     write("seen-through", scene=[
@@ -466,7 +466,7 @@ def seen_through():
 
 
 def moving_curves():
-    """Points that move, with their radii: hair of one key more, glass, a lamp, and one in a node that moves, too."""
+    """Moving control points and radii: hair with an additional key, glass, a light, and one in a moving node."""
     def keys(points, way, times=(0, 0.4, 1)):
         move = lambda p, t: [round(p[0] + way[0] * t, 4), round(p[1] + way[1] * t * t, 4), round(p[2] + way[2] * t, 4), round(p[3] * (1 + 0.5 * t), 4)]
         return [{"time": t, "curves": [[move(p, t) for p in curve] for curve in points]} for t in times]
@@ -599,7 +599,7 @@ def models():
 
 
 def animation():
-    """glTF under a name in .json, told by its content: a strip that bends, a sheet that morphs, a sheet that turns."""
+    """glTF with the extension .json, recognized by content: a skinned strip, a morphing sheet, a rotating sheet."""
     data, views, accessors = b"", [], []
 
     def numbers(fmt, values, kind, component=5126, **more):

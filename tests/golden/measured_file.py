@@ -1,9 +1,9 @@
-"""Files of measured materials, in the format of the RGL's database: metals of GGX's facets, tabulated.
+"""Writes measured BSDF files in the format of the RGL database: tabulated metals with GGX microfacets.
 
-usage: measured_file.py FILE [--anisotropic] [--spectra]     a metal, to look at or to give to other renderers
+usage: measured_file.py FILE [--anisotropic] [--spectra]     a metal, to inspect or for other renderers
 
 Dupuy and Jakob 2018, "An Adaptive Parameterization for Efficient Material Acquisition and Rendering". The tables are as
-small as they can be: what is read is what is between their values, not GGX.
+small as possible: a reader interpolates them, so it gets this interpolation rather than GGX.
 """
 import bisect
 import math
@@ -26,7 +26,7 @@ def tensor_file(fields):
 
 
 class Warp:
-    """Points of the unit square by a density that is bilinear between the values of a table."""
+    """Samples points of the unit square from a density that is bilinear between the values of a table."""
 
     def __init__(self, values, width, height):
         self.v, self.w, self.h = values, width, height
@@ -37,7 +37,7 @@ class Warp:
 
     @staticmethod
     def invert(values, x):
-        """Where the integral over what is linear between values is x of the whole: the index and what follows it."""
+        """Inverts the integral of a piecewise linear function at the fraction x: (index, offset in the interval)."""
         sums = [0.0]
         for a, b in zip(values, values[1:]):
             sums.append(sums[-1] + (a + b) / 2)
@@ -63,7 +63,7 @@ def dot(a, b):
 
 
 class Metal:
-    """GGX's facets with a reflectance by Schlick; the widths along x and y."""
+    """GGX microfacets with Schlick's reflectance and roughness alpha along x and y."""
 
     def __init__(self, alpha_x, alpha_y):
         self.x, self.y = alpha_x, alpha_y
@@ -79,7 +79,7 @@ class Metal:
         return (w[2] + self.stretched(w)) / 2
 
     def shadowing(self, wi, wo):
-        """What of the facets that wi sees wo sees too, as GGX's heights have it: G2 / G1."""
+        """G2 / G1: the fraction of the microfacets visible from wi that is visible from wo, height-correlated."""
         a, b = 1 / (2 * wi[2] / (wi[2] + self.stretched(wi))), (self.stretched(wo) / wo[2] - 1) / 2
         return a / (a + b)
 
@@ -94,8 +94,8 @@ def half_vector(u, turned):
 
 
 def metal_file(metal, thetas, phis, size, side, colors, is_isotropic, wavelengths=None):
-    """colors: reflectances at normal incidence, one per channel, or per wavelength. side: of the tables of what is reflected,
-    which Mitsuba wants square."""
+    """colors: reflectance at normal incidence per channel or wavelength. side: size of the reflectance tables, which
+    Mitsuba requires to be square."""
     width, height = size
     flat = lambda values: struct.pack(f"<{len(values)}f", *values)
     theta_i = [t * math.pi / 180 for t in thetas]
@@ -137,14 +137,14 @@ def metal_file(metal, thetas, phis, size, side, colors, is_isotropic, wavelength
 
 
 def gold(spectra=False, size=(16, 8), side=12, alpha=0.3):
-    """The same in all directions around the normal."""
+    """An isotropic metal."""
     waves = [360 + 40 * i for i in range(16)] if spectra else None
     colors = [0.95 / (1 + math.exp((520 - w) / 30)) for w in waves] if spectra else [0.95, 0.6, 0.25]
     return metal_file(Metal(alpha, alpha), [0, 25, 45, 65, 80, 89], [-180], size, side, colors, True, waves)
 
 
 def brushed(spectra=False, size=(8, 16), side=10, alphas=(0.5, 0.15), phis=(-180, -135, -90)):
-    """Wide along x, narrow along y; a quarter of the directions, which mirrors make all of."""
+    """An anisotropic metal, wide along x and narrow along y; a quarter of the azimuths, the others by symmetry."""
     waves = [400 + 50 * i for i in range(8)] if spectra else None
     colors = [0.9] * len(waves) if spectra else [0.9, 0.85, 0.8]
     return metal_file(Metal(*alphas), [0, 30, 60, 85], phis, size, side, colors, False, waves)

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# install_test.sh BUILD SOURCE COMPILER GENERATOR [SANITIZERS]: installs, moves the installed tree elsewhere, and uses it from
-# there: the program, and each folder of examples built with find_package(fathom), and with the library's sanitizers.
+# install_test.sh BUILD SOURCE COMPILER GENERATOR [SANITIZERS]: installs, moves the installed tree, and uses it there: runs the
+# program, and builds each folder of examples with find_package(fathom) and the library's sanitizers.
 set -euo pipefail
 build=$1 source=$2 compiler=$3 generator=$4 sanitizers=${5:-}
 place=$(mktemp -d)
@@ -14,7 +14,7 @@ expect() {
         exit 1
     }
 }
-# A PNG's first bytes, and more than a few of them.
+# Checks for a PNG signature and a plausible file size.
 is_png() { [ "$(head -c 4 "$1" | tail -c 3)" = PNG ] && [ "$(stat -c %s "$1")" -gt 5000 ]; }
 lanes_of() { "$1" version | grep -i simd; }
 
@@ -23,7 +23,7 @@ mv "$place/first" "$place/moved here"
 prefix="$place/moved here"
 expect "the schema is installed" test -f "$prefix/share/doc/fathom/scene.schema.json"
 
-# The installed libraries, not those of the build folder.
+# Use the installed libraries instead of those in the build folder.
 libraries=$(ldd "$prefix/bin/fathom")
 expect "no library is missing" test -z "$(grep 'not found' <<<"$libraries")"
 expect "the kernel library comes from the moved folder" \
@@ -41,7 +41,7 @@ for module in assimp view mpi; do
     fi
 done
 
-# A program that uses the library needs neither TBB nor OpenEXR nor any other dependency of it: none is looked for here.
+# A program that uses the library must not need its dependencies (TBB, OpenEXR and others), so CMake finds none here.
 build_example() {
     cmake -G "$generator" -S "$source/examples/$1" -B "$1" -DCMAKE_CXX_COMPILER="$compiler" -DCMAKE_BUILD_TYPE=Release \
         -DCMAKE_CXX_FLAGS="${sanitizers:+-fsanitize=$sanitizers}" -DCMAKE_PREFIX_PATH="$prefix" >configure.log || { cat configure.log && exit 1; }

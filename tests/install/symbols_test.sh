@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# symbols_test.sh NM LIBFATHOM KERNEL...: the libraries export what they should and nothing else. A template compiled for one
-# instruction set that leaves a library may be taken by the loader for a program on a machine that has it not.
+# symbols_test.sh NM LIBFATHOM KERNEL...: checks that the libraries export only the intended symbols. Otherwise the loader could
+# bind a program to a template compiled for an instruction set that the machine lacks.
 set -euo pipefail
 nm=$1 library=$2
 shift 2
@@ -8,7 +8,7 @@ failed=0
 
 exported() { "$nm" --dynamic --defined-only --demangle --format=posix "$1" | sed 's/ [A-Za-z] [0-9a-f]*\( [0-9a-f]*\)\{0,1\}$//'; }
 
-# complain WHAT SYMBOLS: if there are any.
+# complain WHAT SYMBOLS: fails if there are any symbols.
 complain() {
     if [ -n "$2" ]; then
         printf '%s\n%s\n' "$1" "$2"

@@ -120,7 +120,7 @@ void expect_irradiance(int w, int h)
 TEST(ClosedForm, EnvironmentImages)
 {
     expect_irradiance(8, 4);
-    expect_irradiance(400, 200);  // larger than the L2 cache, so texels are prefetched
+    expect_irradiance(400, 200);  // larger than the inner caches, so texels are prefetched
 }
 
 /// An environment with a given illuminance in lux has it for any image: on a surface that faces the image's top, or its

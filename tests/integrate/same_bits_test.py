@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
-"""The same picture, bit for bit, from every instruction set that this machine has, from any number of threads, with any tree, and in parts.
+"""Checks that instruction sets, number of threads, BVH build level and rendering in parts change no bit of an image.
 
 usage: same_bits_test.py FATHOM SCENES"""
 import glob, os, subprocess, sys, tempfile
 
 SKIPPED = 77
-LEVELS = ["x86-64-v4", "x86-64-v3", "none"]  # "none" matches no folder: the base library
+LEVELS = ["x86-64-v4", "x86-64-v3", "none"]  # "none" matches no folder, which selects the base library
 
 
 def loader():
@@ -26,12 +26,12 @@ GUIDED = [scene + guided_mark for scene in ("cornell-box", "environment", "insta
 
 
 def pixels(path):
-    """The values of the picture: the end of an EXR of one float layer, which is not compressed."""
+    """Pixel values: the end of an uncompressed EXR file with one float layer."""
     plain = path + ".plain.exr"
     subprocess.run([sys.argv[1], "merge", path, "-o", plain, "--no-sums", "--exr", "float", "-q"], check=True)
     with open(plain, "rb") as file:
         data = file.read()
-    row = 8 + WIDTH * 3 * 4  # its number and size, then three channels
+    row = 8 + WIDTH * 3 * 4  # row number and size, then three channels
     values = data[-row * HEIGHT:]
     if int.from_bytes(values[4:8], "little") != row - 8 or not any(values[8:]):
         raise SystemExit(f"{plain}: not the layout that this test expects")

@@ -128,7 +128,7 @@ TEST(SingleSided, MirrorsShowBacks)
         mirror.kind = MaterialKind::metal;
         mirror.base_color.value = {1, 1, 1};
         scene.add_square(0, true, mirror);
-        // Between camera and mirror; its front faces the camera, so the mirror sees its back.
+        // The camera is between mirror and square, whose front faces away from both.
         scene.scene.cameras[0].position = {0, 0, 0.5};
         scene.add_square(1, true, unlit(red, true));
         EXPECT_EQ(scene.color(), red) << n;

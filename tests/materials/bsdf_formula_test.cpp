@@ -6,7 +6,7 @@
 #include "closure_checks.h"
 #include "materials/closures/closures.h"
 
-// Scattering functions against the papers' formulae, written again in double.
+// BSDFs against the formulas of their papers, reimplemented in double precision.
 namespace fathom {
 namespace {
 
@@ -32,7 +32,7 @@ Direction half_way(Direction a, Direction b)
     return {h.x / l, h.y / l, h.z / l};
 }
 
-/// Walter et al. 2007, equation 33, by the tangent.
+/// GGX distribution, Walter et al. 2007, equation 33, by the tangent.
 double ggx_d(Direction h, double alpha)
 {
     const double c2 = h.z * h.z, t2 = (1 - c2) / c2;
@@ -43,7 +43,7 @@ double ggx_lambda(Direction w, double alpha)
     const double t2 = (1 - w.z * w.z) / (w.z * w.z);
     return (std::sqrt(1 + alpha * alpha * t2) - 1) / 2;
 }
-/// Facets that reflect all: the bsdf times the cosine of wi.
+/// f cos of wi for perfectly reflecting microfacets.
 double ggx_f_cos(Direction wo, Direction wi, double alpha)
 {
     if (wi.z <= 0) return 0;
@@ -62,7 +62,7 @@ TEST(Ggx, DistributionAndMasking)
 {
     for (double alpha : {0.05, 0.3, 1.0}) {
         const Ggx ggx{Float(float(alpha))};
-        // Facets cover the surface: the projected area of all is 1.
+        // The projected area of all microfacets is 1.
         if (alpha > 0.1) {
             EXPECT_NEAR(test::integrate_sphere([&](Direction h) { return h.z > 0 ? ggx_d(h, alpha) * h.z : 0.0; }), 1,
                         1e-3);
@@ -77,7 +77,7 @@ TEST(Ggx, DistributionAndMasking)
     }
 }
 
-/// The tables of what facets give back in one bounce, by integration.
+/// Tables of the single-scattering albedo, against integration.
 TEST(Ggx, AlbedoTables)
 {
     for (double roughness : {0.5, 0.7, 1.0})
@@ -97,7 +97,7 @@ TEST(Ggx, AlbedoTables)
         }
 }
 
-/// How much light facets with Schlick's reflectance make up for: Turquin 2019, equation 16.
+/// Energy compensation factor for microfacets with Schlick's reflectance: Turquin 2019, equation 16.
 double made_up(double color, double albedo)
 {
     return 1 + color * (1 - albedo) / albedo;
@@ -122,7 +122,8 @@ TEST(Metal, IsTheFormula)
             }
 }
 
-/// glTF 2.0, appendix B: the mixture of a metal and of a dielectric, whose base gets what its layer leaves.
+/// glTF 2.0, appendix B: a mixture of a metal and a dielectric whose base gets the light that the specular layer
+/// leaves.
 TEST(Principled, IsTheFormula)
 {
     const double color = 0.6, roughness = 0.5;
@@ -146,7 +147,7 @@ TEST(Principled, IsTheFormula)
                 }
 }
 
-/// Portsmouth, Kutz, Hill 2024, "EON: A practical energy-preserving rough diffuse BRDF", with the fit for the albedo.
+/// Portsmouth, Kutz, Hill 2024, "EON: A practical energy-preserving rough diffuse BRDF", with its fitted albedo.
 TEST(Diffuse, IsTheFormula)
 {
     const double pi_d = std::numbers::pi;
@@ -172,7 +173,7 @@ TEST(Diffuse, IsTheFormula)
             }
 }
 
-/// By angles: Fresnel's laws with sines and tangents, and Snell's for the direction.
+/// Fresnel's equations in sines and tangents of the angles, and Snell's law for the direction.
 TEST(Glass, FresnelAndSnellByAngles)
 {
     for (double eta : {1 / 2.4, 1 / 1.5, 1.1, 1.5, 2.4})
@@ -197,8 +198,8 @@ TEST(Glass, FresnelAndSnellByAngles)
         }
 }
 
-/// Smooth: reflected by Fresnel's share, mirrored; else refracted, with radiance scaled by the square of the indices'
-/// ratio.
+/// Smooth glass: specular reflection with Fresnel's probability, else refraction with radiance scaled by the squared
+/// ratio of indices.
 TEST(Glass, SmoothSplitsByFresnel)
 {
     for (const bool entering : {true, false})
@@ -224,7 +225,7 @@ TEST(Glass, SmoothSplitsByFresnel)
         }
 }
 
-/// Light that goes the other way: as much, but for the square of the indices' ratio (Veach 1997, 5.2).
+/// Reciprocity up to the squared ratio of indices (Veach 1997, 5.2).
 TEST(Glass, IsReciprocal)
 {
     for (float roughness : {0.4f, 0.8f})
@@ -232,11 +233,11 @@ TEST(Glass, IsReciprocal)
             for (double b : {100.0, 130.0, 165.0, 20.0, 70.0}) {
                 const Direction wo = towards(a, 0), wi = towards(b, 160);
                 MaterialPoint m = material(1, roughness);
-                // The compensation for multiple scattering depends on one direction alone.
+                // Energy compensation depends on one direction only, so it is not reciprocal.
                 m.compensated = Mask(false);
                 const double there = first(GlassBsdf(m).eval(lane_direction(wo), lane_direction(wi)).f_cos.c[0]);
                 const bool through = wi.z < 0;
-                // Frames are turned to the side that the path is on.
+                // The shading frame is flipped to the path's side.
                 const double side = through ? -1 : 1;
                 m.entering = Mask(!through);
                 const double back = first(
@@ -250,7 +251,7 @@ TEST(Glass, IsReciprocal)
             }
 }
 
-/// The mean of a glass' weights, with the scaling of radiance by the indices' ratio undone: its directional albedo.
+/// Directional albedo of glass: mean weight of samples with the radiance scaling by eta^2 undone.
 double mean_weight(const MaterialPoint& m, double degrees, int n)
 {
     const GlassBsdf bsdf(m);
@@ -266,7 +267,7 @@ double mean_weight(const MaterialPoint& m, double degrees, int n)
     return sum / count;
 }
 
-/// A single scattering event by facets of little roughness loses next to nothing.
+/// Single scattering by slightly rough microfacets loses almost nothing.
 TEST(Glass, RoughKeepsNearlyAllEnergy)
 {
     for (const bool entering : {true, false})
@@ -278,7 +279,7 @@ TEST(Glass, RoughKeepsNearlyAllEnergy)
         }
 }
 
-/// Compensated, white glass of every roughness and index gives back all light, from both sides and at every angle.
+/// With energy compensation, white glass of any roughness and index is lossless from both sides at every angle.
 TEST(Glass, CompensatedIsWhite)
 {
     for (const float ior : {1.05f, 1.33f, 1.5f, 2.4f, 4.0f})
@@ -293,7 +294,7 @@ TEST(Glass, CompensatedIsWhite)
                 }
 }
 
-/// What compensation adds is missing without it: values of an integration over visible normals in double.
+/// Albedo without energy compensation, against integration over visible normals in double precision.
 TEST(Glass, LossOfASingleScatteringEvent)
 {
     const struct {

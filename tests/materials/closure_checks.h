@@ -1,5 +1,5 @@
 #pragma once
-/// What the tests of all closures check: sampling against its density, and energy.
+/// Checks for all closures: sampling against pdf, and energy.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -34,7 +34,7 @@ inline Vec3 outgoing(double degrees)
 struct Drawn {
     std::vector<Direction> directions;
     double albedo = 0;          ///< mean weight
-    double worst_mismatch = 0;  ///< of weight * pdf against f_cos, relative
+    double worst_mismatch = 0;  ///< largest relative difference of weight * pdf and f_cos
 };
 
 template <class Bsdf>
@@ -70,7 +70,7 @@ double pdf_at(const Bsdf& bsdf, Vec3 wo, Direction d)
     return first(bsdf.eval(wo, lane_direction(d)).pdf);
 }
 
-/// Sampling follows the density, and sample, eval and pdf agree.
+/// Samples follow the pdf, and sample, eval and pdf agree.
 template <class Bsdf>
 void check_sampling(const Bsdf& bsdf, double degrees, const char* what)
 {
@@ -78,7 +78,7 @@ void check_sampling(const Bsdf& bsdf, double degrees, const char* what)
     const Vec3 wo = outgoing(degrees);
     const Drawn drawn = draw(bsdf, wo, 200000);
     EXPECT_LT(drawn.worst_mismatch, 2e-3);
-    // Samples that are absorbed (weight 0) are missing: the test is of those that go on.
+    // Absorbed samples (weight 0) are excluded from the histogram.
     const double total = integrate_sphere([&](Direction d) { return pdf_at(bsdf, wo, d); });
     EXPECT_LE(total, 1.002);
     const double kept = double(drawn.directions.size()) / 200000;

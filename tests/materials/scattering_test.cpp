@@ -8,7 +8,7 @@
 #include "support/chi_square.h"
 #include "support/lane_helpers.h"
 
-// Scattering within media: where, and to where.
+// Distance and direction sampling in participating media.
 namespace fathom {
 namespace {
 
@@ -40,7 +40,7 @@ TEST(Phase, SamplesHenyeyAndGreenstein)
     }
 }
 
-/// Whatever channel the distance is of, each gets what the law of Beer leaves it, and what is scattered of the rest.
+/// Whichever channel is sampled, each channel gets its Beer-Lambert transmittance and its scattered remainder.
 TEST(DistanceSample, EveryChannelFollowsItsOwnLaw)
 {
     const float sigma_t[] = {0.02f, 1, 40}, sigma_s[] = {0.01f, 0.9f, 39};
@@ -76,7 +76,7 @@ TEST(DistanceSample, EveryChannelFollowsItsOwnLaw)
         }
 }
 
-/// Where a channel has no extinction its light goes for ever, and others' none.
+/// In a channel without extinction all light passes unscattered, and scattering has none of it.
 TEST(DistanceSample, ClearChannels)
 {
     const float sigma_t[] = {0, 1, 0};
@@ -84,7 +84,7 @@ TEST(DistanceSample, ClearChannels)
     EXPECT_TRUE(std::isinf(first(clear.distance())));
     EXPECT_NEAR(first(clear.passed(Float(std::numeric_limits<float>::infinity())).c[0]), 1.5, 1e-6);
     EXPECT_EQ(first(clear.passed(Float(std::numeric_limits<float>::infinity())).c[1]), 0);
-    // The last channel that has light, whatever rounding makes of the pick.
+    // The last channel with a nonzero throughput is picked even if rounding exceeds the sum.
     const DistanceSample last(Spectrum(sigma_t), Spectrum(Rgb{1, 1, 0}), Float(0.5f), Float(1));
     EXPECT_NEAR(first(last.distance()), std::log(2.0), 1e-6);
 }

@@ -13,7 +13,7 @@ namespace {
 
 using test::first;
 
-/// Seven media, some of equal priority.
+/// Seven media, some with equal priority.
 MediaTables tables()
 {
     MediaTables t;
@@ -26,7 +26,7 @@ MediaTables tables()
     return t;
 }
 
-/// The same as a list.
+/// The medium stack as a plain list.
 struct Reference {
     const MediaTables& t;
     std::vector<std::uint32_t> in;
@@ -61,7 +61,8 @@ TEST(MediumStack, HasTheGreatestPriorityInFrontAndOfEqualOnesTheLast)
                 inside.enter(medium), reference.enter(medium);
             else
                 outside.leave(medium), reference.leave(medium);
-            if (!enters && !known) inside.enter(medium);  // as if it had been there
+            // leaving an unknown medium acts as if the path had entered it
+            if (!enters && !known) inside.enter(medium);
             EXPECT_EQ(first(boundary.is_there), inside.current() == medium && outside.current() != medium);
             EXPECT_EQ(first(boundary.other_ior), t.media[outside.current()].ior);
             stack = boundary.beyond;

@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
-"""Mutation testing of a change: alters the lines of src/ and apps/ that differ from a commit, one place at a time, and lists
-the alterations that no test of the part sees. See docs/testing.md.
+"""Mutation testing of a change: mutates the lines of src/ and apps/ that differ from a commit, one place at a time, and lists
+the mutants that no test of the module detects. See docs/testing.md.
 
-An alteration that survives is a missing test, or one that changes nothing (an equivalent mutant), which a reader decides.
-Each is made in the copy of the sources that planted bugs use; the tests are those of the part, not all of them.
+A surviving mutant means a missing test unless it changes nothing (an equivalent mutant), which a reader decides. Mutants are
+built in the source copy of the planted bugs, and only the tests of their module run.
 """
 import argparse
 import pathlib
@@ -17,7 +17,7 @@ import time
 
 from planted import PLACE, ROOT, Workshop, copy_tree
 
-# By the start of a path, first match: what to build, and the gtest programs or command line tests that ought to see a change.
+# By path prefix, first match: targets to build, and the gtest programs or command line tests that should detect a change.
 PARTS = [
     ("src/base/", ["base_tests", "formats_tests"]),
     ("src/scene/", ["scene_tests", "formats_tests"]),
@@ -50,7 +50,7 @@ PARTS = [
     ("src/", ["kernel_tests_base", "picture_tests"]),
     ("apps/", ["fathom", "fathom_double", "fake_oidn", "command line"]),
 ]
-# Changes that mean something else: pattern, replacement. Numbers are changed by a function.
+# Mutations as (pattern, replacement). Numbers are mutated by a function.
 OPERATORS = [
     (r" < ", " <= "), (r" <= ", " < "), (r" > ", " >= "), (r" >= ", " > "), (r" == ", " != "), (r" != ", " == "),
     (r" && ", " || "), (r" \|\| ", " && "), (r" \+ ", " - "), (r" - ", " + "), (r" \* ", " / "), (r" / ", " * "),
@@ -72,7 +72,7 @@ class Mutant:
 
 
 def changed_lines(base, paths):
-    """Path, number and text of each line that differs from a commit."""
+    """(path, number, text) of each line that differs from a commit."""
     diff = subprocess.run(["git", "-C", str(ROOT), "diff", "--unified=0", "--no-color", base, "--", *(paths or ["src", "apps"])],
                           capture_output=True, text=True, check=True).stdout
     path, number = None, 0
@@ -92,7 +92,7 @@ def is_mutated(path):
 
 
 def code_of(text):
-    """The line up to its comment; strings become blanks of the same length, so that places stay what they are."""
+    """The line up to its comment, with strings replaced by blanks of equal length to keep columns."""
     text = re.sub(r'"(?:\\.|[^"\\])*"', lambda m: '"' + " " * (len(m[0]) - 2) + '"', text)
     return re.split(r"//", text)[0]
 
@@ -121,7 +121,7 @@ def targets_of(path):
 
 
 class Tests:
-    """Runs the tests of a part until one fails."""
+    """Runs the tests of a module until one fails."""
 
     def __init__(self, workshop):
         self.workshop = workshop
@@ -144,7 +144,7 @@ class Tests:
             yield target, [str(build / target), "--gtest_brief=1", "--gtest_fail_fast"]
 
     def failing(self, targets):
-        """The name of a test program that fails, or nothing."""
+        """Name of a failing test program, or None."""
         for target in targets:
             for name, command in self.programs(target):
                 if self.fails(command):

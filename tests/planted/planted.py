@@ -1,18 +1,18 @@
 #!/usr/bin/env python3
-"""Plants bugs in a copy of the sources, one at a time, and tells which of them the tests see. See docs/testing.md.
+"""Plants bugs in a copy of the sources, one at a time, and reports which of them the tests detect. See docs/testing.md.
 
-A rule of tests/planted/rules/MODULE.json is
+A rule of tests/planted/rules/MODULE.json has the keys
 
-    id       a name that no other rule has
-    bug      what goes wrong, in words
-    files    where the code stands: a glob below src/
-    find     the code. A run of blanks in it stands for any run of blanks and line breaks, so laying out anew changes nothing
-    replace  what is planted instead
-    count    how often the code stands there (default 1); every place is changed
-    targets  what to build, as little as shows the bug
-    tests    which tests ought to fail: a regular expression for ctest -R; without it all quick and full ones run
-    gtest    optional: GTEST_FILTER for a test that runs many at once (kernel_tests)
-    isa      optional: an instruction set other than base whose kernel is to be built, where lanes matter
+    id       unique name
+    bug      description of the fault
+    files    glob below src/ of the files with the code
+    find     the code; blanks match any run of blanks and line breaks, so formatting doesn't matter
+    replace  the faulty code
+    count    number of occurrences (default 1), all of which are replaced
+    targets  targets to build, as few as possible
+    tests    regular expression for ctest -R of the tests that should fail; by default all quick and full tests
+    gtest    optional GTEST_FILTER for a test program that ctest runs as one test (kernel_tests)
+    isa      optional instruction set other than base, if the bug depends on the number of lanes
 """
 import argparse
 import hashlib
@@ -30,7 +30,7 @@ import time
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 PLACE = ROOT / "build" / "planted"
-# What a test may take: processor time of each of its processes, which load doesn't use up; and what ends one that hangs.
+# Limits of a test: CPU time of each process, independent of load; patience and wall clock time for one that hangs.
 PROCESSOR_S, PATIENCE_S, LONGEST_S = 1800, 300, 7200
 REQUIRED = {"id", "bug", "files", "find", "replace", "targets"}
 OPTIONAL = {"count": 1, "tests": "", "gtest": "", "isa": "base"}
@@ -59,7 +59,7 @@ def pattern_of(rule):
 
 
 def plant(rule, root):
-    """The files with the bug in them, by path. Raises RuleError unless the code stands there as often as the rule says."""
+    """Modified files by path. Raises RuleError unless the code occurs exactly as often as the rule says."""
     planted, found = {}, 0
     pattern = pattern_of(rule)
     for path in sorted(root.glob("src/" + rule["files"])):
@@ -77,7 +77,7 @@ def plant(rule, root):
 
 
 def check(rules):
-    """Whether every rule still fits the sources; builds nothing."""
+    """Exit status 0 if every rule matches the sources; builds nothing."""
     errors = 0
     for rule in rules:
         try:
@@ -90,7 +90,7 @@ def check(rules):
 
 
 def write_if_changed(path, data):
-    """Files that stay what they were keep their times, and are not built again."""
+    """Keeps the modification time of unchanged files, so that they are not built again."""
     if path.is_file() and path.read_bytes() == data:
         return
     path.parent.mkdir(parents=True, exist_ok=True)
@@ -98,7 +98,7 @@ def write_if_changed(path, data):
 
 
 def parts_of_the_project():
-    """All that tests may read: whatever stands in the root, but builds and what is hidden."""
+    """Files and folders of the root that tests may read: all except builds and hidden ones."""
     return sorted(path.name for path in ROOT.iterdir() if path.name != "build" and not path.name.startswith("."))
 
 
@@ -118,16 +118,16 @@ def copy_tree(to):
 
 
 def failed_tests(text):
-    """Their names, as ctest lists them at its end."""
+    """Names of failed tests from ctest's final list."""
     return re.findall(r"^\s+\d+ - (\S+) \((?!Skipped)", text, re.M)
 
 
 class Workshop:
-    """A copy of the sources with a build of one instruction set."""
+    """A copy of the sources with a build for one instruction set."""
 
     def __init__(self, isa, jobs):
         self.jobs = jobs
-        # At the same place in the tree as other builds, and in C as in scripts/setup.sh: so ccache finds what they have compiled.
+        # Relative paths as in other builds, and the locale C as in scripts/setup.sh, let ccache reuse their results.
         self.tree, self.build = PLACE / "tree", PLACE / "tree" / "build" / isa
         self.environment = {**os.environ, "CCACHE_BASEDIR": str(self.tree), "LC_ALL": "C"}
         isas = "base" if isa == "base" else f"base;{isa}"
@@ -136,7 +136,7 @@ class Workshop:
                   f"-DFATHOM_SHARED_SCENES={ROOT.parent / 'shared' / 'scenes'}"], "configure.log", must=True)
 
     def run(self, command, log, must=False, limit=None, **more):
-        # In a group of its own, so that whoever ends this also ends the compilers that it has started.
+        # A process group of its own, so that ending this also ends the compilers that it started.
         with open(PLACE / f"{self.build.name}.{log}", "w") as out, \
                 subprocess.Popen(command, stdout=out, stderr=subprocess.STDOUT, env={**self.environment, **more},
                                  start_new_session=True, preexec_fn=limit) as process:
@@ -154,7 +154,7 @@ class Workshop:
         return code == 0, log
 
     def ctest(self, arguments, log, gtest=""):
-        """What ctest prints. Its own limit of time would count what other programs use, too."""
+        """Output of ctest. CPU time is limited instead of ctest's wall clock time, which depends on other programs."""
         more = {"FATHOM_TEST_PATIENCE": str(PATIENCE_S), **({"GTEST_FILTER": gtest} if gtest else {})}
         _, log = self.run(["ctest", "--test-dir", str(self.build), *arguments, f"-j{self.jobs}", "--timeout", str(LONGEST_S)], log,
                           limit=lambda: resource.setrlimit(resource.RLIMIT_CPU, (PROCESSOR_S, PROCESSOR_S + 10)), **more)
@@ -162,16 +162,16 @@ class Workshop:
 
     def chosen(self, rule):
         names = ["-R", rule["tests"]] if rule["tests"] else ["-L", "quick|full"]
-        # These two look at the sources themselves, and would see any change.
+        # These two tests read the sources, so they would fail with any change.
         return names + ["-E", "^(planted_rules|format)$"]
 
     def tests_of(self, rule):
-        """The tests of a rule, by number."""
+        """Numbers of the tests of a rule."""
         text, _ = self.ctest(["-N", *self.chosen(rule)], "list.log")
         return {int(number): name for number, name in re.findall(r"^\s*Test\s+#(\d+): (\S+)", text, re.M)}
 
     def test(self, rule):
-        """The names of the tests that failed. Raises RuleError if none ran."""
+        """Names of the failed tests. Raises RuleError if none ran."""
         text, log = self.ctest(self.chosen(rule), "test.log", rule["gtest"])
         count = re.search(r"tests failed out of (\d+)|tests passed.*out of (\d+)", text)
         if not count or "No tests were found" in text:
@@ -181,9 +181,9 @@ class Workshop:
         return failed_tests(text)
 
     def test_numbers(self, numbers, gtest):
-        """The names of those that failed, or were not built, of tests by number."""
+        """Names of the tests, given by number, that failed or were not built."""
         place = PLACE / f"{self.build.name}.numbers"
-        place.write_text("0,0,0," + ",".join(map(str, sorted(numbers))) + "\n")  # ctest drops the last character
+        place.write_text("0,0,0," + ",".join(map(str, sorted(numbers))) + "\n")  # ctest drops the last character of the file
         text, log = self.ctest(["-I", str(place)], "clean.log", gtest)
         if "No tests were found" in text or "tests" not in text:
             sys.exit(f"no test ran; see {log}")
@@ -191,7 +191,7 @@ class Workshop:
 
 
 def try_rule(rule, workshop):
-    """caught, SURVIVED or error, and the words to it."""
+    """(caught, SURVIVED or error, explanation)."""
     try:
         planted = plant(rule, workshop.tree)
     except RuleError as error:
@@ -214,7 +214,7 @@ def try_rule(rule, workshop):
 
 
 def fails_without_a_bug(rules, workshop):
-    """Ids of rules whose tests fail in sources without a bug, which would then prove nothing."""
+    """Ids of rules whose tests fail without a planted bug, so their failure proves nothing."""
     built, log = workshop.compile(sorted({target for rule in rules for target in rule["targets"]}))
     if not built:
         sys.exit(f"the sources do not build without a bug; see {log}")
@@ -226,14 +226,13 @@ def fails_without_a_bug(rules, workshop):
     failed = set()
     for gtest, numbers in clean_runs(rules, tests).items():
         failed.update(workshop.test_numbers(numbers, gtest))
-    # Of a test that runs many at once, those of a rule may all have passed.
+    # If a test program runs many tests at once, those of this rule may all have passed.
     return {rule["id"] for rule in rules
             if failed & set(tests[rule["id"]].values()) and (not rule["gtest"] or workshop.test(rule))}
 
 
 def clean_runs(rules, tests):
-    """Each test once, however many rules name it: the numbers of tests by the GTEST_FILTER that they run with, which takes in what
-    all of their rules ask for."""
+    """Numbers of the tests of all rules by GTEST_FILTER. Each test runs once, with the union of its rules' filters."""
     filters = {}
     for rule in rules:
         for number in tests[rule["id"]]:
@@ -245,7 +244,7 @@ def clean_runs(rules, tests):
 
 
 def head_seed():
-    """The same for everyone who tests this commit."""
+    """Seed derived from the commit, so that everyone draws equal rules."""
     head = subprocess.run(["git", "-C", str(ROOT), "rev-parse", "HEAD"], capture_output=True, text=True).stdout.strip()
     return int(hashlib.sha256(head.encode()).hexdigest(), 16)
 

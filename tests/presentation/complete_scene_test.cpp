@@ -5,7 +5,7 @@ namespace {
 
 class CompleteScene : public ImportTest {};
 
-/// Where a point lies in the picture: -1 to 1 is inside.
+/// Position in the image; -1 to 1 is inside.
 std::pair<double, double> in_picture(const Camera& camera, double aspect, Vec3d p)
 {
     const Vec3d forward = normalize(camera.look_at - camera.position);
@@ -55,8 +55,8 @@ TEST_F(CompleteScene, FramesFromEveryDirection)
         }
 }
 
-/// The silhouette reaches the margin on two opposite sides, as near as any camera of that direction can come: also of
-/// what is not a box, not in the middle of its box, moved and turned.
+/// The silhouette touches the margin on two opposite sides: no camera in that direction is closer. Also for shapes that
+/// do not fill their bounding box, and under motion and rotation.
 TEST_F(CompleteScene, TheSilhouetteFillsThePicture)
 {
     int at_tip = 0;
@@ -65,7 +65,7 @@ TEST_F(CompleteScene, TheSilhouetteFillsThePicture)
             for (double aspect : {0.5, 4.0 / 3, 3.0}) {
                 SceneDescription scene;
                 Mesh mesh;
-                // A cone, whose box is filled badly.
+                // A cone fills its bounding box badly.
                 mesh.positions.push_back({0, 4, 0});
                 for (int i = 0; i < 64; ++i)
                     mesh.positions.push_back({std::cos(float(i) * 0.1f), 0, std::sin(float(i) * 0.1f)});
@@ -102,7 +102,7 @@ TEST_F(CompleteScene, TheSilhouetteFillsThePicture)
                 const double edge = 1 / 1.08;
                 EXPECT_LE(std::max({right, -left, above, -below}), edge + 1e-9) << place;
                 const bool by_width = std::min(right, -left) > std::min(above, -below);
-                // Before the tip of a long cone it stands no nearer than a tenth of the cone's length.
+                // In front of a long cone's tip the distance is at least a tenth of the cone's depth.
                 const bool is_at_tip = std::abs(nearest - 0.1 * (farthest - nearest)) < 1e-3;
                 at_tip += int(is_at_tip);
                 if (is_at_tip) continue;
@@ -112,8 +112,8 @@ TEST_F(CompleteScene, TheSilhouetteFillsThePicture)
     EXPECT_LE(at_tip, 6);
 }
 
-/// A camera that is turned about the scene sees all of it from everywhere, and comes no nearer than that takes: at one
-/// azimuth something touches the margin. The axis stands in the middle of the picture.
+/// A turntable camera sees the whole scene from every azimuth at the smallest such distance: at one azimuth something
+/// touches the margin. The axis is in the image's center.
 TEST_F(CompleteScene, TurnsAboutTheSceneWithAllInView)
 {
     for (double elevation : {-30., 0., 20., 90.})
@@ -146,7 +146,7 @@ TEST_F(CompleteScene, TurnsAboutTheSceneWithAllInView)
         }
 }
 
-/// What has no extent across the view is not stood in.
+/// Geometry without extent across the view keeps the camera at a distance.
 TEST_F(CompleteScene, StandsBeforeWhatIsThin)
 {
     SceneDescription scene;
@@ -180,7 +180,7 @@ TEST_F(CompleteScene, ForcedCameraComesFirst)
     SceneDescription scene = load("a.json", R"({"cameras": {"one": {}, "two": {}}, "scene": [{"sphere": {}}]})");
     CompleteOptions options;
     options.force_camera = true;
-    // Asked for, so nothing that the file lacked.
+    // A requested camera is not reported as missing from the file.
     EXPECT_TRUE(complete_scene(scene, options).added.empty());
     ASSERT_EQ(scene.cameras.size(), 3u);
     EXPECT_EQ(scene.cameras[1].name, "one");
@@ -252,7 +252,7 @@ TEST_F(CompleteScene, RefusesScenesThatCantBe)
     bad.curves[0].motion[1].points = {{0, 0, 0}};
     EXPECT_EQ(check_error(bad), "s: curves[0].motion[1]: has 1 points, the curves 2");
 
-    // 2^40 spheres in 41 nodes; and as many nodes without any.
+    // 2^40 spheres in 41 nodes, and as many nodes without shapes.
     bad = scene;
     bad.nodes.resize(42);
     for (int i = 2; i < 42; ++i) bad.nodes[i].children = {i - 1, i - 1};

@@ -6,13 +6,13 @@
 #include "fathom/first_look.h"
 #include "seen_from.h"
 
-// The ground below models: by what a floor shows where nothing is in the way, and where something is.
+// The ground below models looks like the backdrop where it is unobstructed, and shows shadows elsewhere.
 namespace fathom {
 namespace {
 
 constexpr int across = 64;
 
-/// A model on the plane y = 0, and a camera that looks down at it.
+/// A model on the plane y = 0 and a camera that looks down at it.
 class GroundTest : public ::testing::Test {
 protected:
     SceneDescription d = test::seen_from({0, 6, 12});
@@ -48,7 +48,7 @@ protected:
         render(job, {0, samples}, film);
         return film.image(false, false);
     }
-    /// Where the ray through the middle of a pixel meets y = 0; nothing above the horizon.
+    /// Intersection of a pixel's center ray with y = 0, or nothing above the horizon.
     std::optional<Vec3d> place(int x, int y) const
     {
         const Camera& c = d.cameras[0];
@@ -63,7 +63,7 @@ protected:
         double value = 0, error = 0;
         int count = 0;
     };
-    /// Of a colour over the pixels on the plane for which `which` says so, and its standard error.
+    /// Mean and standard error of one channel over the ground pixels that `which` selects.
     template <class Which>
     Mean mean(const Image& image, int channel, const Which& which) const
     {
@@ -86,8 +86,8 @@ double beside(const Vec3d& p)
     return std::max(std::abs(p.x), std::abs(p.z));
 }
 
-/// What lies flat on the ground shades none of it: all of it looks as the backdrop, also where the floor fades, and
-/// beyond it the backdrop is what it was to the last bit. Floors can't reflect enough for the brightest of these.
+/// A flat model casts no shadow: the whole ground matches the backdrop, also where it fades out, and beyond it the bits
+/// are unchanged. The brightest backdrops exceed what a floor can reflect.
 TEST_F(GroundTest, LooksAsTheBackdropWhereNothingIsInTheWay)
 {
     add_sheet();
@@ -113,8 +113,8 @@ TEST_F(GroundTest, LooksAsTheBackdropWhereNothingIsInTheWay)
     }
 }
 
-/// The key light comes from the left and the front: on the right, behind a box, is its shadow, that is darkest by the
-/// box's side; in front of it light is only taken from the other side of the box, which is black and sends none back.
+/// The key light is at the front left, so a shadow lies to the right behind the box, darkest at its base. In front of
+/// the box only indirect light is missing, because the box is black.
 TEST_F(GroundTest, CatchesTheShadow)
 {
     add_box();
@@ -131,7 +131,7 @@ TEST_F(GroundTest, CatchesTheShadow)
     EXPECT_LT(left.value, tone);
 }
 
-/// A floor of twice the reflectance is twice as bright where nothing is in the way.
+/// Twice the reflectance doubles the brightness where the ground is unobstructed.
 TEST_F(GroundTest, HasTheColourThatIsAskedFor)
 {
     add_sheet();
@@ -158,7 +158,7 @@ TEST_F(GroundTest, IsOnlyAddedWhereItFits)
     EXPECT_NE(added.added[1].find("--ground none"), std::string::npos);
     EXPECT_TRUE(lit(Ground(), LightChoice::studio).ground);
     EXPECT_FALSE(lit(Ground(), LightChoice::file).ground);
-    // A camera in a room, and one below.
+    // A camera inside a room, and one below the ground.
     d.cameras[0].position = {0, 1, 0.5};
     EXPECT_FALSE(lit(Ground()).ground);
     d.cameras[0].position = {0, -1, 9};
@@ -166,7 +166,7 @@ TEST_F(GroundTest, IsOnlyAddedWhereItFits)
     d = model;
     d.hints.own_light = true;
     EXPECT_FALSE(lit(Ground()).ground);
-    // A lamp that lights what isn't seen would light the ground.
+    // A lamp outside the view would illuminate the ground.
     d = model;
     add_lamp({0, 1, -1.5});
     EXPECT_TRUE(lit(Ground()).studio);
@@ -177,13 +177,13 @@ TEST_F(GroundTest, IsOnlyAddedWhereItFits)
     Ground wanted;
     wanted.only_where_it_fits = false;
     EXPECT_TRUE(lit(wanted).ground);
-    // It is exposed for the model alone.
+    // Exposure depends on the model only.
     ASSERT_TRUE(lit({}).exposure_ev);
     EXPECT_EQ(lit(wanted).exposure_ev, lit({}).exposure_ev);
     EXPECT_EQ(lit(wanted).added, lit({}).added);
 }
 
-/// It lies below all that is shown, not only what is so now.
+/// The ground is below everything at all times of the shot, not only at the first frame.
 TEST_F(GroundTest, LiesBelowAll)
 {
     add_box();

@@ -8,17 +8,18 @@
 #include "fathom/scene_file.h"
 #include "formats/import_test_helpers.h"
 
-// EXT_lights_image_based of glTF: what a camera sees of the light around it.
+// EXT_lights_image_based of glTF: the environment as the camera sees it.
 namespace fathom::test {
 namespace {
 
-/// Linear colours of the faces towards +x, -x, +y, -y, +z, -z: each a code of sRGB's ends, so that files keep them.
+/// Linear colors of the faces +x, -x, +y, -y, +z, -z, each at an end of the sRGB range, so that files keep them
+/// exactly.
 constexpr Color colors[] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {1, 1, 0}, {0, 1, 1}, {1, 0, 1}};
 constexpr Vec3d axes[] = {{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}};
 
 class ImageBasedLight : public ImportTest {
 protected:
-    /// A file with that light; `members` are those of the light beside its faces.
+    /// A file with that light; `members` are its JSON members besides the faces.
     std::filesystem::path file_with(const std::string& members)
     {
         std::string images;
@@ -40,7 +41,7 @@ protected:
             "nodes": [{{"camera": 0}}], "cameras": [{{"type": "perspective", "perspective": {{"yfov": 0.1, "znear": 1}}}}]}})",
                                  images, members));
     }
-    /// What a narrow camera sees in a direction.
+    /// Color seen by a narrow camera in a direction.
     Color seen(const SceneDescription& scene, Vec3d direction)
     {
         SceneDescription posed = scene;
@@ -71,7 +72,7 @@ TEST_F(ImageBasedLight, EachAxisShowsItsFace)
     EXPECT_TRUE(warnings_.empty());
 }
 
-/// By 90 degrees about y, which takes z to x.
+/// Rotation by 90 degrees about y, which maps z to x.
 TEST_F(ImageBasedLight, IsTurnedByItsRotation)
 {
     const std::string rotation = R"(, "rotation": [0, 0.7071067811865476, 0, 0.7071067811865476])";

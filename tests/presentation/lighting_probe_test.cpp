@@ -8,11 +8,11 @@
 #include "seen_from.h"
 #include "support/placed_light.h"
 
-// Which light models get, and how they are exposed: by scenes whose light is known.
+// Automatic light and exposure for scenes with known illumination.
 namespace fathom {
 namespace {
 
-/// A camera at (0, 0, 6) that looks along -z at what is at the origin.
+/// A camera at (0, 0, 6) that looks along -z at an object at the origin.
 class FirstLooks : public ::testing::Test {
 protected:
     SceneDescription d = test::seen_from({0, 0, 6});
@@ -23,7 +23,7 @@ protected:
         d.materials[0].base_color.value = {0.5f, 0.5f, 0.5f};
         d.nodes[0].shapes.push_back({Sphere{{0, 0, 0}, 1.5, {}}, 0, ""});
     }
-    /// Shines along -z, as the camera looks.
+    /// The sun emits along -z, the camera's view direction.
     void add_sun(float lux, const Transform& turn = {})
     {
         Light sun;
@@ -42,7 +42,7 @@ protected:
     AutoLitScene lit(LightChoice choice = LightChoice::automatic) { return compile_lit(d, "", choice, 1, warnings); }
 };
 
-/// A low sun is exposed for, and gets no studio beside it.
+/// A low sun gets an exposure but no studio lights.
 TEST_F(FirstLooks, AnEveningSkyIsExposedFor)
 {
     d.environment.kind = EnvironmentKind::sky;
@@ -54,8 +54,8 @@ TEST_F(FirstLooks, AnEveningSkyIsExposedFor)
     EXPECT_LT(lit(LightChoice::file).exposure_ev.value_or(0), 1);
 }
 
-/// A sphere lit from the camera shows albedo / pi * cosine of the sun's light; half of its disk has a cosine above the
-/// root of one half, one in twenty above the root of 0.95.
+/// A sphere lit from the camera has radiance albedo / pi * cosine * illuminance; half of its disk has a cosine above
+/// sqrt(0.5), 5 % above sqrt(0.95).
 TEST_F(FirstLooks, MeasuresASphereInTheSun)
 {
     add_sun(10);
@@ -69,7 +69,7 @@ TEST_F(FirstLooks, MeasuresASphereInTheSun)
     EXPECT_NEAR(seen.covered, std::acos(-1.0) * 1.5 * 1.5 / 16, 0.03);
 }
 
-/// Lamps in view, what is unlit, and the background do not count.
+/// Visible lights, unlit materials and the background are ignored.
 TEST_F(FirstLooks, LampsInViewDoNotCount)
 {
     add_sun(10);
@@ -91,7 +91,7 @@ TEST_F(FirstLooks, ExposesForTheLightOfTheFile)
         const AutoLitScene scene = lit();
         d = dark;
         EXPECT_FALSE(scene.studio) << lux;
-        // 0.22 over the median, or 1 over the brightest: the former is less.
+        // Exposure is the smaller of 0.22 over the median and 1 over the maximum, here the former.
         const double stops = std::log2(0.22 / (0.5 / std::acos(-1.0) * lux * std::sqrt(0.5)));
         if (std::abs(stops) < 1.2)
             EXPECT_FALSE(scene.exposure_ev.has_value()) << lux;
@@ -103,7 +103,7 @@ TEST_F(FirstLooks, ExposesForTheLightOfTheFile)
     EXPECT_FALSE(lit().exposure_ev.has_value());
 }
 
-/// The light that was found stays when the scene goes on to change, and is that of a scene alone.
+/// Automatic light is kept when the scene is edited, and equals that of the scene alone.
 TEST_F(FirstLooks, EditsKeepTheirLight)
 {
     add_sun(100000);
@@ -118,7 +118,7 @@ TEST_F(FirstLooks, EditsKeepTheirLight)
         const Scene moved = edit.compile_exactly(warnings);
         EXPECT_EQ(edit.description().environment.kind == EnvironmentKind::studio, choice == LightChoice::studio);
         EXPECT_EQ(moved.fingerprint(), Scene::compile(edit.description(), "", warnings).fingerprint());
-        // A sun that was put out stays so.
+        // A removed sun stays removed.
         EXPECT_EQ(edit.description().nodes.back().light < 0, choice == LightChoice::studio);
     }
 }
@@ -128,7 +128,7 @@ TEST_F(FirstLooks, NoLightGetsAStudio)
     const AutoLitScene scene = lit();
     EXPECT_TRUE(scene.studio);
     ASSERT_EQ(scene.added.size(), 1u);
-    // A grey ball in it is neither dark nor white.
+    // A gray sphere in the studio is neither dark nor overexposed.
     const FirstLook seen = first_look(scene.scene, 1);
     EXPECT_GT(seen.lit, 0.99);
     EXPECT_GT(seen.middle, 0.1);
@@ -138,7 +138,7 @@ TEST_F(FirstLooks, NoLightGetsAStudio)
     EXPECT_EQ(first_look(bare.scene, 1).bright, 0);
 }
 
-/// A small emission, or a lamp behind what is seen, leaves it dark: the studio comes beside them.
+/// A weak emission or a light behind the subject leaves it dark, so studio lights are added.
 TEST_F(FirstLooks, LightThatReachesLittleGetsAStudioBesideIt)
 {
     const SceneDescription dark = d;
@@ -147,7 +147,7 @@ TEST_F(FirstLooks, LightThatReachesLittleGetsAStudioBesideIt)
     AutoLitScene scene = lit();
     EXPECT_TRUE(scene.studio);
     EXPECT_FALSE(scene.exposure_ev.has_value());
-    EXPECT_GT(scene.scene.statistics().lights, 1u);  // the sky's and the diode's
+    EXPECT_GT(scene.scene.statistics().lights, 1u);  // the sky and the small lamp
 
     d = dark;
     add_sun(5, Transform::rotate({0, 1, 0}, std::acos(-1.0)));
@@ -157,7 +157,7 @@ TEST_F(FirstLooks, LightThatReachesLittleGetsAStudioBesideIt)
     EXPECT_FALSE(lit().studio);
 }
 
-/// A wall that shines dimly on a model reaches all of it, but it is no lamp to expose for.
+/// A dim emissive wall reaches the whole model, but the exposure ignores it.
 TEST_F(FirstLooks, DimSurfacesAreDecoration)
 {
     const int panel = add_lamp({0.05f, 0.05f, 0.05f});
@@ -167,7 +167,7 @@ TEST_F(FirstLooks, DimSurfacesAreDecoration)
     EXPECT_FALSE(lit().studio);
 }
 
-/// The key light comes from the left of the camera, wherever that stands.
+/// The key light is left of the camera for any camera position.
 TEST_F(FirstLooks, TheStudioTurnsWithTheCamera)
 {
     for (const double angle : {0.0, 1.0, 2.5, -1.5}) {
@@ -187,7 +187,7 @@ TEST_F(FirstLooks, TheStudioTurnsWithTheCamera)
     }
 }
 
-/// What is unlit is seen as it is.
+/// Unlit models are shown unchanged.
 TEST_F(FirstLooks, UnlitModelsStayAsTheyAre)
 {
     d.materials[0].kind = MaterialKind::unlit;

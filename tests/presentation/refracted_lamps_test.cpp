@@ -6,11 +6,11 @@
 #include "seen_from.h"
 #include "support/placed_light.h"
 
-// Whether the program says that light is missing: that of lamps without size behind smooth glass.
+// Warning about light that NEE and BSDF sampling both miss: lights without size behind smooth glass.
 namespace fathom {
 namespace {
 
-/// A lamp at the origin in a large hollow ball of plaster.
+/// A light at the origin of a large hollow sphere of plaster.
 class RefractedLampsTest : public ::testing::Test {
 protected:
     SceneDescription d = test::seen_from({0, 0, 6});
@@ -61,13 +61,13 @@ TEST_F(RefractedLampsTest, OfEveryKindWithinGlass)
     }
 }
 
-/// Only what the lamp shines at counts: behind a spot glass hides nothing.
+/// Only directions in the spot light's cone count, so glass behind it hides nothing.
 TEST_F(RefractedLampsTest, SpotsShineIntoTheirCone)
 {
     add_lamp(LightKind::spot);
     add_ball({0, 0, 4}, 1);
     EXPECT_EQ(warning(), "");
-    // A cone so wide that the look goes all around.
+    // The cone is so wide that the whole sphere of directions is probed.
     d.lights.back().outer_angle = 1.4;
     EXPECT_EQ(warning(), "");
     d.lights.back().outer_angle = 0.3;
@@ -75,7 +75,7 @@ TEST_F(RefractedLampsTest, SpotsShineIntoTheirCone)
     expect_hidden("in front of it");
 }
 
-/// A ball of radius 1 that is 2 away covers the share (1 - cos 30 degrees) / 2 of all directions.
+/// A sphere of radius 1 at distance 2 covers (1 - cos 30 degrees) / 2 of all directions.
 TEST_F(RefractedLampsTest, TellsTheShareOfTheLight)
 {
     add_lamp(LightKind::point);
@@ -89,12 +89,12 @@ TEST_F(RefractedLampsTest, DirectionsSeeTheWholeScene)
     d.nodes[0].shapes.push_back({Rectangle{{-4, -4, -3}, {8, 0, 0}, {0, 8, 0}}, 0, ""});
     add_lamp(LightKind::directional);
     EXPECT_EQ(warning(), "");
-    // A disk of radius 1 before a square of side 8: pi / 64.
+    // A disk of radius 1 in front of a square of side 8: pi / 64.
     add_ball({0, 0, 0}, 1);
     EXPECT_NE(warning().find("5 % of the light"), std::string::npos) << warning();
 }
 
-/// What lets light through in other ways, and lamps with a size, are found.
+/// Other ways of transmission, and lights with a size, lose nothing.
 TEST_F(RefractedLampsTest, NothingIsMissing)
 {
     add_lamp(LightKind::point);

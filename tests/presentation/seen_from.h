@@ -3,7 +3,7 @@
 
 namespace fathom::test {
 
-/// A model of one node and one material, with nothing in it yet, and a camera here that looks at the origin.
+/// A model with one empty node and one material, and a camera at this position that looks at the origin.
 inline SceneDescription seen_from(Vec3d position)
 {
     SceneDescription d;

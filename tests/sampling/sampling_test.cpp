@@ -22,8 +22,8 @@ Sample2 sobol_point(std::uint32_t pixel, std::uint32_t index, std::uint32_t grou
 
 TEST(Sobol, EveryElementaryIntervalHoldsOnePoint)
 {
-    // A (0, 2)-sequence: of the first 2^m points, each dyadic box of area 2^-m has one, and so have later blocks of
-    // 2^m.
+    // A (0, 2)-sequence: each elementary interval of area 2^-m contains one of the first 2^m points, and one of each
+    // later block of 2^m.
     for (std::uint32_t pixel : {0u, 7u})
         for (std::uint32_t pair : {0u, 1u, 3u})
             for (int m : {4, 8})
@@ -44,7 +44,7 @@ TEST(Sobol, EveryElementaryIntervalHoldsOnePoint)
 
 TEST(Sobol, PairsAndPixelsAreIndependent)
 {
-    // Correlation between numbers of different pairs, groups and pixels at the same index.
+    // Correlation of different pairs, decisions and pixels at equal sample index.
     constexpr int n = 1 << 14;
     const auto correlation = [&](auto a, auto b) {
         double sum = 0;
@@ -63,7 +63,7 @@ TEST(Sobol, PairsAndPixelsAreIndependent)
               limit);
 }
 
-/// Without scrambling: the van der Corput sequence, and the second dimension by its generator matrix, which is Pascal's
+/// Without scrambling: the van der Corput sequence, and the second dimension, whose generator matrix is Pascal's
 /// triangle modulo 2.
 TEST(Sobol, DimensionsAreTheDirectionNumbers)
 {
@@ -71,7 +71,7 @@ TEST(Sobol, DimensionsAreTheDirectionNumbers)
         std::uint32_t expected = 0;
         for (std::uint32_t k = 0; k < 32; ++k)
             for (std::uint32_t j = k; j < 32; ++j)
-                // Binomial (j over k) is odd where k's bits are among j's (Lucas).
+                // The binomial coefficient (j over k) is odd if k's bits are a subset of j's (Lucas).
                 if (i >> j & 1 && (k & j) == k) expected ^= 1u << k;
         EXPECT_EQ(first(sobol1_reversed(UInt(i))), expected) << i;
     }
@@ -79,7 +79,7 @@ TEST(Sobol, DimensionsAreTheDirectionNumbers)
 
 TEST(Sobol, IntegratesSmoothFunctionsMuchBetterThanChance)
 {
-    // Owen scrambling: the variance of a smooth integrand falls with n^-3; chance gives n^-1.
+    // Owen scrambling: the variance for smooth integrands decreases as n^-3, that of independent numbers as n^-1.
     const auto variance = [](std::uint32_t n) {
         double sum = 0;
         constexpr int runs = 256;
@@ -113,8 +113,7 @@ TEST(Warp, CosineHemisphere)
         "");
 }
 
-/// In cells of cosine and azimuth, which are all alike: the cosine alone would be uniform whatever the sine and the
-/// azimuth are.
+/// Histogram over cells of equal probability in cosine and azimuth; the cosine alone would not test sine and azimuth.
 TEST(Warp, ConeIsUniformInBothAngles)
 {
     for (double one_minus_cos : {1e-4, 0.3, 1.7, 2.0}) {
@@ -129,7 +128,7 @@ TEST(Warp, ConeIsUniformInBothAngles)
             for (int i = 0; i < lanes; ++i) {
                 const double sine2 = double(x[i]) * x[i] + double(y[i]) * y[i];
                 ASSERT_NEAR(sine2 + double(z[i]) * z[i], 1, 2e-6);
-                // From the sine where the cosine is near 1: float has no digits left for it.
+                // 1 - cos computed from the sine, because floats lack digits when the cosine is near 1.
                 const double lost = z[i] > 0 ? sine2 / (1 + double(z[i])) : 1 - double(z[i]);
                 ASSERT_LE(lost, one_minus_cos * (1 + 1e-5));
                 const double turn = std::atan2(y[i], x[i]) / (2 * std::numbers::pi) + 0.5;
@@ -155,7 +154,7 @@ TEST(Warp, PowerHeuristic)
 TEST(Warp, DiskIsUniform)
 {
     test::Random random;
-    // Sectors finer than the eighths that the map is made of, within which it might be uneven.
+    // Sectors finer than the octants of the mapping, which might be uneven inside.
     constexpr int rings = 8, sectors = 40;
     std::vector<double> observed(rings * sectors), expected(rings * sectors);
     constexpr int n = 100000;
@@ -211,8 +210,8 @@ TEST(Filter, FollowsItsShape)
     });
 }
 
-/// Harris 1978, "On the Use of Windows for Harmonic Analysis", the minimum 4-term window: its integral in closed form
-/// at the offset of each number is the number. A coefficient that is off by a thousandth is seen.
+/// Harris 1978, "On the Use of Windows for Harmonic Analysis", minimum 4-term window: the closed-form integral up to
+/// each sampled offset is the random number. An error of 0.001 in a coefficient is detected.
 TEST(Filter, BlackmanHarrisToTheLastCoefficient)
 {
     FilterTable table;
@@ -227,7 +226,7 @@ TEST(Filter, BlackmanHarrisToTheLastCoefficient)
         EXPECT_NEAR(share_below(double(first(table.sample(Float(float(u)))))), u, 2e-5) << u;
 }
 
-/// Up to their very ends, where next to no samples fall: the share of the filter below a number's offset is the number.
+/// Up to the filter's ends, where few samples fall: the integral up to the sampled offset is the random number.
 TEST(Filter, IsTheInverseOfItsShares)
 {
     FilterTable gaussian, blackman_harris, tent;

@@ -19,7 +19,7 @@ AnimationChannel channel(AnimatedValue value, Interpolation interpolation, std::
     return {value, 0, interpolation, std::move(times), std::move(values)};
 }
 
-/// Hermite's spline is the cubic polynomial that has the values and slopes.
+/// Hermite splines reproduce cubic polynomials from their values and slopes.
 TEST(AnimationValues, SplinesGiveBackCubicPolynomials)
 {
     const auto p = [](double t) { return 2 * t * t * t - t * t + 3 * t + 1; };
@@ -56,12 +56,12 @@ TEST(AnimationValues, StepsLinesAndEnds)
         EXPECT_EQ(at(1e9), (Values{60, 3}));
         EXPECT_EQ(at(-1e9), (Values{10, 1}));
     }
-    // One key stands for all times.
+    // A single key applies at all times.
     EXPECT_EQ(value_at(channel(AnimatedValue::roughness, Interpolation::linear, {3}, {0.5f}), 1),
               (std::vector<double>{0.5}));
 }
 
-/// Against a rotation by a share of the angle, and the shorter way whatever the sign of a key.
+/// Rotation by a fraction of the angle, always the short way, whatever sign a key's quaternion has.
 TEST(AnimationValues, RotationsTurnSteadily)
 {
     const double angle = 2.5;
@@ -78,10 +78,10 @@ TEST(AnimationValues, RotationsTurnSteadily)
                 for (std::size_t k = 0; k < 3; ++k) EXPECT_NEAR(r.m[i][k], expected.m[i][k], 2e-7) << t;
         }
     }
-    // Splines of quaternions are brought back to rotations.
+    // Splines of quaternions are normalized to rotations.
     AnimationChannel spline =
         channel(AnimatedValue::rotation, Interpolation::cubic, {0, 1}, std::vector<float>(24, 0.0f));
-    spline.values[7] = 1, spline.values[17] = 1;  // from none to half a turn about y
+    spline.values[7] = 1, spline.values[17] = 1;  // from identity to half a turn about y
     const std::vector<double> q = value_at(spline, 0.5);
     EXPECT_NEAR(q[1], std::sqrt(0.5), 1e-12);
     EXPECT_NEAR(q[3], std::sqrt(0.5), 1e-12);
@@ -107,7 +107,7 @@ TEST(AnimationValues, WhatIsWrongWithKeys)
               "3 numbers are not as many for each of 2 keys");
 }
 
-/// A strip of two triangles on two joints of a chain, and a target.
+/// A strip of two triangles with two joints of a chain, and a morph target.
 class Player : public ::testing::Test {
 protected:
     SceneDescription scene;
@@ -161,7 +161,7 @@ protected:
     }
 };
 
-/// Against sums of what each joint makes of a point, written out.
+/// Against explicit sums of the joints' transforms of each point.
 TEST_F(Player, SkinsBendAndTargetsMorph)
 {
     EXPECT_EQ(rig.animations[0].duration(), 2);
@@ -172,7 +172,7 @@ TEST_F(Player, SkinsBendAndTargetsMorph)
     for (const double t : {0.0, 0.25, 1.0, 1.5, 5.0}) {
         set_pose(scene, player.pose(t));
         const double angle = std::min(t, 1.0) * std::numbers::pi / 2, weight = std::min(t / 2, 1.0);
-        // The second joint, node 2, turns with node 1 about (1, 0, 0).
+        // The second joint, node 2, rotates with node 1 about (1, 0, 0).
         const auto turned = [&](Vec3d p) {
             const double x = p.x - 1;
             return Vec3d{1 + x * std::cos(angle) - p.y * std::sin(angle), x * std::sin(angle) + p.y * std::cos(angle),
@@ -192,7 +192,7 @@ TEST_F(Player, SkinsBendAndTargetsMorph)
 
 TEST_F(Player, WhatNoPoseMayBringToNothing)
 {
-    // All weight on a joint that flattens everything.
+    // All weight is on a joint that flattens everything.
     rig.animations[0].channels[0] = channel(AnimatedValue::scale, Interpolation::step, {0}, {0, 0, 0});
     rig.animations[0].channels[0].target = 1;
     const AnimationPlayer player(scene, rig, 0);
@@ -200,7 +200,8 @@ TEST_F(Player, WhatNoPoseMayBringToNothing)
     EXPECT_EQ(scene.meshes[0].normals[3].z, 1);
 }
 
-/// What a shutter sees at each time is the pose of that time: nodes exactly, vertices by the height of a chord.
+/// With motion blur, the scene at each time equals that time's pose: nodes exactly, vertices within the height of a
+/// chord.
 TEST_F(Player, ShuttersSeeThePosesOfTheirTimes)
 {
     const AnimationPlayer player(scene, rig, 0);
@@ -210,7 +211,7 @@ TEST_F(Player, ShuttersSeeThePosesOfTheirTimes)
     ASSERT_GE(blurred.nodes[1].motion.size(), 2u);
     ASSERT_GE(blurred.meshes[0].motion.size(), 2u);
     EXPECT_EQ(blurred.meshes[0].motion.back().time, open);
-    // Of a radius of 2 (and a target's way), in four pieces of an eighth of a right angle's half.
+    // Radius 2 plus the morph target's offset, in four pieces of an eighth of 90 degrees.
     const double chord = 3 * (1 - std::cos(open * std::numbers::pi / 2 / 8)) + 1e-6;
     for (int step = 0; step <= 16; ++step) {
         const double after = open * step / 16;
@@ -224,7 +225,7 @@ TEST_F(Player, ShuttersSeeThePosesOfTheirTimes)
             EXPECT_NEAR(vertices.positions[i].y, scene.meshes[0].positions[i].y, chord) << after;
         }
     }
-    // What stands still, or passes through nothing, has no motion.
+    // Nodes that stand still, or pass through a singular transform, have no motion keys.
     set_pose(blurred, player.pose(7, open));
     EXPECT_TRUE(blurred.nodes[1].motion.empty());
     EXPECT_TRUE(blurred.meshes[0].motion.empty());

@@ -5,7 +5,7 @@
 namespace fathom {
 namespace {
 
-/// One of each thing, which refer to each other by names that say to whom.
+/// One element of each kind, referring to each other by names.
 SceneDescription scene_of(const std::string& name)
 {
     SceneDescription s;
@@ -68,7 +68,7 @@ TEST(AppendScene, EverythingStillRefersToItsOwn)
                             m.emission.texture, m.alpha.texture, m.normal_texture}) {
             EXPECT_EQ(all.textures[std::size_t(texture)].name, name);
             EXPECT_EQ(all.images[std::size_t(all.textures[std::size_t(texture)].image)].name, name);
-            // The one before it is made of it.
+            // The preceding texture refers to it.
             const Texture& node = all.textures[std::size_t(texture) - 1];
             EXPECT_EQ(node.image, -1);
             for (int input : {node.color_a.texture, node.color_b.texture, node.factor.texture})

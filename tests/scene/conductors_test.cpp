@@ -9,7 +9,7 @@
 namespace fathom {
 namespace {
 
-/// Fresnel's amplitudes, in complex numbers.
+/// Fresnel's amplitudes in complex numbers.
 double exact(double cosine, double eta, double k)
 {
     const std::complex<double> m(eta, k), beyond = std::sqrt(m * m - (1 - cosine * cosine));
@@ -18,7 +18,7 @@ double exact(double cosine, double eta, double k)
            2;
 }
 
-/// Schlick's law with a factor at a cosine of 1/7, as surfaces of layers reflect.
+/// Schlick's approximation with a factor at a cosine of 1/7, as in layered materials.
 double as_shaded(double cosine, double base, double edge)
 {
     const auto schlick = [&](double c) { return base + (1 - base) * std::pow(1 - c, 5); };
@@ -33,7 +33,7 @@ TEST(Conductors, ReflectAsFresnelSays)
             EXPECT_NEAR(conductor_reflectance(i / 20.0, eta, k), exact(i / 20.0, eta, k), 1e-12) << eta << " " << i;
 }
 
-/// The colours of each are those of its index, and at no angle is what is shaded further off than 0.03.
+/// Colors of each conductor come from its index, and shading deviates by at most 0.03 at any angle.
 TEST(Conductors, ColoursOfKnownOnes)
 {
     ASSERT_GE(conductors().size(), 9u);
@@ -50,7 +50,7 @@ TEST(Conductors, ColoursOfKnownOnes)
                     << c.name << " " << i;
         }
     }
-    // As it looks: gold is yellow, copper red, silver all but white.
+    // Visual check: gold is yellow, copper red, silver almost white.
     const auto base = [](const std::string& name) {
         for (const Conductor& c : conductors())
             if (name == c.name) return colors_of(c).base;

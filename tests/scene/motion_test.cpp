@@ -14,7 +14,7 @@ void expect_near(Vec3d a, Vec3d b, double tolerance = 1e-9)
     EXPECT_NEAR(a.z, b.z, tolerance);
 }
 
-/// A turn, a stretching and a shift at once: each part goes its own way, and the parts are put together in that order.
+/// Rotation, scale and translation are interpolated separately and composed in that order.
 TEST(NodeMotion, PartsGoTheirOwnWays)
 {
     Node node;
@@ -31,7 +31,7 @@ TEST(NodeMotion, PartsGoTheirOwnWays)
     expect_near(transform_at(node, 0).point({1, 1, 1}), node.motion[0].parent_from_node.point({1, 1, 1}));
     expect_near(transform_at(node, 3).point({1, 1, 1}), node.motion[1].parent_from_node.point({1, 1, 1}));
     expect_near(transform_at(node, 9).point({1, 1, 1}), {6, 1, 10});
-    // At rest what stands there is not used.
+    // The rest transform is ignored while keys exist.
     node.parent_from_node = Transform::scale({7, 7, 7});
     expect_near(transform_at(node, 9).point({1, 1, 1}), {6, 1, 10});
     node.motion.clear();
@@ -65,7 +65,7 @@ TEST(MeshMotion, VerticesGoStraightBetweenTheirKeys)
     EXPECT_FALSE(moves(mesh, 3, 4));
     EXPECT_FALSE(moves(mesh, -2, 0));
     mesh.motion[2].positions = mesh.motion[1].positions;
-    EXPECT_TRUE(moves(mesh, 2.1, 2.9));  // its normals do
+    EXPECT_TRUE(moves(mesh, 2.1, 2.9));  // its normals change
     mesh.motion[2].normals = mesh.motion[1].normals;
     EXPECT_FALSE(moves(mesh, 2.1, 2.9));
 }

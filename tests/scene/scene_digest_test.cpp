@@ -47,7 +47,7 @@ TEST(SceneParts, ListIsShort)
               "material '0' is new; material '1' is new; material '2' is new; material '3' is new; and 6 more");
 }
 
-/// A texture that only another place in the list makes another index of is the same.
+/// A texture with another index because of its position in the list is still equal.
 TEST(SceneParts, NamesCountNotIndices)
 {
     SceneDescription before = made_scene(), now = made_scene();

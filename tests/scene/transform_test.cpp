@@ -27,9 +27,9 @@ TEST(Transform, ByHand)
     expect_near(Transform::rotate({0, 0, 5}, right).point({1, 0, 0}), {0, 1, 0});
     expect_near(Transform::rotate({5, 0, 0}, right).point({0, 1, 0}), {0, 0, 1});
     expect_near(Transform::rotate({0, 5, 0}, right).point({0, 0, 1}), {1, 0, 0});
-    // About a diagonal by a third of a turn: the axes go round.
+    // A third of a turn about the diagonal permutes the axes.
     expect_near(Transform::rotate({1, 1, 1}, 2 * std::numbers::pi / 3).point({1, 2, 3}), {3, 1, 2});
-    // Half a turn about x, and a unit quaternion with four different parts by the sandwich product.
+    // Half a turn about x, and a unit quaternion with four distinct components, by the sandwich product.
     expect_near(Transform::rotate_quaternion(2, 0, 0, 0).point({1, 2, 3}), {1, -2, -3});
     const Vec3d u{0.1, 0.5, -0.7};
     const double w = 0.5, length2 = dot(u, u) + w * w;
@@ -59,7 +59,7 @@ TEST(Transform, ProductInverseAndDeterminant)
     EXPECT_NEAR(dot(a.vector({1, 0, 0}), cross(a.vector({0, 1, 0}), a.vector({0, 0, 1}))), a.determinant(), 1e-12);
 }
 
-/// A camera where its node is; lengths grow with it.
+/// A camera is transformed by its node, including its lengths.
 TEST(WorldCamera, TakesPlaceAndScaleOfItsNode)
 {
     SceneDescription scene;
@@ -85,7 +85,7 @@ TEST(WorldCamera, TakesPlaceAndScaleOfItsNode)
     EXPECT_EQ(world_camera(scene, "").name, "");
 }
 
-/// Boxes of all shapes where their nodes put them.
+/// World bounds of each kind of shape.
 TEST(WorldBounds, OfEachShape)
 {
     struct Case {
@@ -108,7 +108,7 @@ TEST(WorldBounds, OfEachShape)
         scene.curves.emplace_back();
         scene.curves[0].points = {{0, 0, 0}, {1, 0, 0}};
         scene.curves[0].radii = {0.5f, 0.5f};
-        // Where its points move to, not where they are at rest.
+        // Bounds of the moving points, not of their rest positions.
         scene.curves.push_back(scene.curves[0]);
         scene.curves[1].points = {{99, 0, 0}, {99, 0, 0}};
         scene.curves[1].motion = {{0, {{0, 0, 0}, {1, 0, 0}}, {0.5f, 0.5f}}, {1, {{0, 1, 0}, {4, 0, 0}}, {1, 1}}};

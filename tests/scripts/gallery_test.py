@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""scripts/gallery.sh: a page of all models of a folder, also where one of them is broken.
+"""Tests scripts/gallery.sh: a page of all models of a folder, even if one of them is broken.
 
 gallery_test.py ROOT PROGRAM
 """
@@ -36,7 +36,7 @@ class Gallery(unittest.TestCase):
         (models / "wrong.gltf").write_text('{"asset": {"version": "2.0"}, "scenes": [')
         (models / "notes.txt").write_text("no model")
         result = self.run_gallery("my models", "-o", "page", "--spp", "2", "--size", "40x30")
-        self.assertEqual(result.returncode, 1, result.stderr)  # for the wrong one
+        self.assertEqual(result.returncode, 1, result.stderr)  # because of the broken model
         page = (self.folder / "page/index.html").read_text()
         figures = re.findall(r"<figure>.*?</figure>", page, re.DOTALL)
         self.assertEqual([re.search(r"<b>(.*?)</b>", figure)[1] for figure in figures],

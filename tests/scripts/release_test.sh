@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
-# scripts/release.sh in a scratch repository: each check, the dry run, and a release whose build and tests are stand-ins.
+# Tests scripts/release.sh in a scratch repository: each check, the dry run, and a release with a fake build and fake tests.
 #   release_test.sh ROOT_OF_THE_PROJECT
-# Exit status 77 (skipped) where git is not installed.
+# Exit status 77 (skipped) without git.
 set -euo pipefail
 command -v git >/dev/null || {
     echo "git is not installed: skipped"
@@ -12,13 +12,13 @@ place=$(mktemp -d)
 trap 'rm -rf "$place"' EXIT
 export GIT_CONFIG_GLOBAL=/dev/null GIT_CONFIG_NOSYSTEM=1
 export GIT_AUTHOR_NAME=tester GIT_AUTHOR_EMAIL=tester@example.com GIT_COMMITTER_NAME=tester GIT_COMMITTER_EMAIL=tester@example.com
-# Nothing here has to survive a power failure.
+# Files need not be synced to disk.
 export GIT_CONFIG_COUNT=1 GIT_CONFIG_KEY_0=core.fsync GIT_CONFIG_VALUE_0=none
 unset GIT_DIR GIT_WORK_TREE GIT_INDEX_FILE
 repository=$place/repository log=$place/log
 failures=0
 
-# make_repository: a clean one, ready for the release of 1.2.3. Copied, since git takes long to make one.
+# make_repository: a clean repository, ready to release 1.2.3. It is copied, because creating one takes git long.
 make_repository() {
     rm -rf "$repository"
     cp -r "$place/template" "$repository"
@@ -35,7 +35,7 @@ make_template() {
         '## [1.2.2] - 2026-01-01' '- A moon.' >CHANGELOG.md
     echo 'Options: --size, --spp, --json.' >docs/cli.md
     echo /build/ >.gitignore
-    # The stand-in for the program: its version, and help of two commands.
+    # A fake program that prints its version and the help of two commands.
     cat >program/fathom <<'PROGRAM'
 #!/bin/sh
 case "$*" in
@@ -44,7 +44,7 @@ case "$*" in
     "info --help") printf '  --json    as JSON\n' ;;
 esac
 PROGRAM
-    # Stand-ins for the build and the tests.
+    # Fake build and tests.
     cat >scripts/setup.sh <<'SETUP'
 packages_to_build=(clang)
 install_missing() { :; }
@@ -59,7 +59,7 @@ SETUP
 commit() { git add --all && git commit --quiet --message "$(date +%N)"; }
 state() { git rev-parse HEAD && git status --porcelain && git tag; }
 
-# expect STATUS CASE [OPTION]...: runs release.sh.
+# expect STATUS CASE [OPTION]...: runs release.sh and checks its exit status.
 expect() {
     local status=$1 case=$2 found=0
     shift 2
@@ -71,14 +71,14 @@ fail_case() {
     sed 's/^/    /'
     failures=$((failures + 1))
 }
-# expect_text CASE TEXT: a line of what was printed.
+# expect_text CASE TEXT: checks that the output contains this text.
 expect_text() {
     grep -qF -- "$2" "$log" || fail_case "$1: expected the text '$2'" <"$log"
 }
 expect_equal() {
     if [ "$2" != "$3" ]; then fail_case "$1" < <(printf 'expected %s\nfound    %s\n' "$2" "$3"); fi
 }
-# refused CASE TEXT [OPTION]...: nothing is released, and a line says why; neither in a dry run nor in earnest.
+# refused CASE TEXT [OPTION]...: checks that nothing is released and a line says why, with and without --dry-run.
 refused() {
     local case=$1 text=$2 before dry_run
     shift 2
@@ -151,7 +151,7 @@ git rm --quiet docs/cli.md
 commit
 refused "no docs/cli.md" "docs/cli.md exists"
 
-# What shows only after tests and build.
+# Failures that appear only after the tests and the build.
 make_repository
 echo '#!/bin/false' >test.sh
 commit

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# What scripts/setup.sh takes for free memory, in folders that stand for the root of a file system; the same cases as
+# Tests the free memory that scripts/setup.sh detects in fake root folders, with the cases of
 # tests/base/machine_test.cpp.  setup_memory_test.sh ROOT_OF_THE_PROJECT
 set -euo pipefail
 # shellcheck source=scripts/setup.sh
@@ -13,7 +13,7 @@ put() {
     mkdir -p "$(dirname "$root/$1")"
     printf '%b' "$2" >"$root/$1"
 }
-# expect BYTES CASE: and begins anew.
+# expect BYTES CASE: checks the result and clears the fake root.
 expect() {
     local found
     found=$(free_memory "$root")

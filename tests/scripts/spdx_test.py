@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
-"""scripts/spdx.py: that it adds license lines where they belong, and that no file of this project lacks one.
+"""Tests scripts/spdx.py: it adds license lines in the right places, and no file of this project lacks one.
 
 usage: spdx_test.py ROOT
 
-Exit status 77 (skipped) where ROOT is not a git repository."""
+Exit status 77 (skipped) if ROOT is not a git repository."""
 import contextlib
 import io
 import subprocess

@@ -1,10 +1,9 @@
 #!/usr/bin/env python3
-"""The files of .github: that workflows run ./test.sh in the supported systems, and that issue forms are complete.
+"""Checks the files of .github: workflows run ./test.sh on the supported systems, and issue forms are complete.
 
-usage: workflows_test.py ROOT               what follows from the YAML; exit status 77 (skipped) without Python's yaml, after
-                                            checking the text
-       workflows_test.py ROOT --actionlint  by actionlint (a Go program), from PATH, $ACTIONLINT or ~/go/bin; exit status 77
-                                            where it is not installed
+usage: workflows_test.py ROOT               checks the text and then the YAML; exit status 77 (skipped) without Python's yaml
+       workflows_test.py ROOT --actionlint  runs actionlint (a Go program) from PATH, $ACTIONLINT or ~/go/bin; exit status 77
+                                            without it
 """
 import os
 import shutil
@@ -21,7 +20,7 @@ except ImportError:
 GITHUB = Path(sys.argv[1]).resolve() / ".github"
 WORKFLOW = GITHUB / "workflows/ci.yml"
 FORMS = GITHUB / "ISSUE_TEMPLATE"
-# Kinds of input that an issue form may have.
+# Input types of an issue form.
 INPUTS = {"textarea", "input", "dropdown", "checkboxes"}
 SKIPPED = 77
 
@@ -66,7 +65,7 @@ class Workflow(unittest.TestCase):
         self.assertNotIn("permissions", self.job)
 
     def test_it_runs_for_pull_requests_and_main(self):
-        # YAML 1.1 takes the key `on` for true.
+        # YAML 1.1 parses the key `on` as true.
         events = self.workflow[True]
         self.assertIn("pull_request", events)
         self.assertEqual(events["push"], {"branches": ["main"]})

@@ -7,14 +7,14 @@
 namespace fathom {
 namespace {
 
-/// Numbers in the order in which they came.
+/// Numbers in order of arrival.
 struct List {
     std::vector<std::size_t> numbers;
 
     void add(const List& o) { numbers.insert(numbers.end(), o.numbers.begin(), o.numbers.end()); }
 };
 
-/// Each part once, and all in their order: on that the bits of a sum of floats depend.
+/// Parts are added once and in order, because the bits of a float sum depend on it.
 TEST(SumOfGroups, AddsPartsInOrder)
 {
     for (std::size_t parts : {0u, 1u, 7u, 8u, 9u, 100u}) {
@@ -26,15 +26,15 @@ TEST(SumOfGroups, AddsPartsInOrder)
     }
 }
 
-/// Groups are added up each for itself: the small numbers of one are lost in the large one of another, wherever the
-/// threads begin.
+/// Groups are summed separately: small numbers of one group vanish in a large number of another only at the end, for
+/// any number of threads.
 TEST(SumOfGroups, AddsGroupsEachForItself)
 {
     struct Sum {
         float value = 0;
         void add(const Sum& o) { value += o.value; }
     };
-    // Groups of two: 2^24, which 1 alone does not change, and then 2 again and again.
+    // Groups of two: 2^24, which adding 1 does not change, followed by 2 repeatedly.
     const Sum sum =
         deterministic_reduce(16, Sum{}, [](std::size_t part, Sum& s) { s.value += part == 0 ? 0x1p24f : 1.0f; });
     EXPECT_EQ(sum.value, 0x1p24f + 14);

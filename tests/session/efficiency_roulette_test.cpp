@@ -7,7 +7,7 @@
 namespace fathom {
 namespace {
 
-/// Cubes of edge 1 along x.
+/// Guiding cells of edge 1 along x.
 GuidingTables row_of_cubes(std::uint32_t count)
 {
     GuidingTables t;
@@ -23,7 +23,7 @@ GuidingRecord surface(float x, float light)
     return r;
 }
 
-/// Paths each with its surfaces.
+/// Paths with the surfaces of each.
 GuidingRecords part_of(const std::vector<std::vector<GuidingRecord>>& paths)
 {
     GuidingRecords part;
@@ -34,46 +34,46 @@ GuidingRecords part_of(const std::vector<std::vector<GuidingRecord>>& paths)
     return part;
 }
 
-/// What the paths of one part met.
-PathStatistics met_of(const GuidingRecords& part, const double* squares, std::size_t samples, double vertices,
-                      double variance)
+/// Statistics of the paths of one part.
+PathsMet met_of(const GuidingRecords& part, const double* squares, std::size_t samples, double vertices,
+                double variance)
 {
-    PathStatistics met;
+    PathsMet met;
     met.parts = {{&part, squares}};
     met.samples = samples;
     met.vertices = vertices, met.variance = variance;
     return met;
 }
 
-/// Two paths for each of two pixels, the second of which is a quarter as bright.
+/// Two paths for each of two pixels; the second pixel is a quarter as bright.
 TEST(LightNeeds, GoByWhatSamplesBringBesideTheirPixels)
 {
     const GuidingRecords first = part_of({{surface(0.5f, 2), surface(1.5f, 0)}, {surface(0.2f, 4)}, {}}),
                          second = part_of({{surface(1.9f, 1)}});
     const double squares[] = {4, 0.25};
-    PathStatistics met;
+    PathsMet met;
     met.parts = {{&first, &squares[0]}, {&second, &squares[1]}};
     met.samples = 2;
     met.vertices = 3, met.variance = 2;
     GuidingTables t = row_of_cubes(3);
     set_nee_factors(met, t);
-    // Squares beside the brightness: 4 / 4 + 16 / 4 = 5 in the first cube, 1 / 0.25 = 4 in the second, two samples
-    // each; 9 / 4 in the mean, which counts as 32 samples. A light sample takes a quarter of a vertex: 3 / (2 * 0.25)
-    // = 6.
+    // Squared contribution over squared brightness: 4 / 4 + 16 / 4 = 5 in the first cell, 1 / 0.25 = 4 in the second,
+    // two samples each; the mean 9 / 4 has the weight of 32 samples. A light sample costs a quarter of a vertex: 3 / (2
+    // * 0.25) = 6.
     ASSERT_EQ(t.nee_factors.size(), 3u);
     EXPECT_FLOAT_EQ(t.nee_factors[0], float(1.5 * std::sqrt((5 + 72) / 34.0 * 6)));
     EXPECT_FLOAT_EQ(t.nee_factors[1], float(1.5 * std::sqrt((4 + 72) / 34.0 * 6)));
     EXPECT_FLOAT_EQ(t.nee_factors[2], float(1.5 * std::sqrt(2.25 * 6)));
 }
 
-/// With many samples the cube alone decides: the root of what a sample brings, squared, over the paths' noise.
+/// With many samples only the cell counts: the root of the squared contribution over the variance of paths.
 TEST(LightNeeds, AreThoseOfTheirCube)
 {
     const std::size_t paths = 200'000;
     std::vector<std::vector<GuidingRecord>> bright(paths, {surface(0.5f, 0.4f)}), dark(paths, {surface(1.5f, 0.01f)});
     const GuidingRecords first = part_of(bright), second = part_of(dark);
     const std::vector<double> squares(paths / 4, 1);
-    PathStatistics met;
+    PathsMet met;
     met.parts = {{&first, squares.data()}, {&second, squares.data()}};
     met.samples = 4;
     met.vertices = 4, met.variance = 16;
@@ -83,14 +83,14 @@ TEST(LightNeeds, AreThoseOfTheirCube)
     EXPECT_NEAR(t.nee_factors[1], 1.5 * 0.01, 2e-3);
 }
 
-/// Many parts are shared among threads; each path stays beside its own pixel.
+/// Many parts are distributed over threads; each path stays with its own pixel.
 TEST(LightNeeds, KeepPathsBesideTheirPixels)
 {
     std::vector<GuidingRecords> parts(37);
     std::vector<double> squares(parts.size());
-    PathStatistics met;
+    PathsMet met;
     for (std::size_t i = 0; i < parts.size(); ++i) {
-        // As bright as what its samples bring: all are alike.
+        // All pixels are as bright as their samples' contributions, so all ratios are equal.
         const float light = float(1 + i);
         parts[i] = part_of({{surface(0.5f, light)}, {}, {surface(0.5f, light), surface(0.5f, light)}});
         squares[i] = double(light) * double(light);
@@ -103,7 +103,7 @@ TEST(LightNeeds, KeepPathsBesideTheirPixels)
     EXPECT_FLOAT_EQ(t.nee_factors[0], 1.5f);
 }
 
-/// What tells nothing gives no number that is none.
+/// Records without information give finite factors.
 TEST(LightNeeds, AreFinite)
 {
     const GuidingRecords some = part_of({{surface(0.5f, 1)}}), none = part_of({{}});
@@ -119,28 +119,28 @@ TEST(LightNeeds, AreFinite)
     EXPECT_FLOAT_EQ(need(some, 1e-300, 1e-6), 1e30f);
 }
 
-/// Over what a sample brings: by how bright the pixels are that see the cube.
+/// Relative to a sample's contribution: depends on the brightness of the pixels that see the cell.
 TEST(ShadowNeeds, GoByTheBrightnessOfThePixels)
 {
     const GuidingRecords part = part_of({{surface(0.5f, 2), surface(1.5f, 0)}, {surface(0.2f, 4), surface(0.1f, 0)}});
     const double squares[] = {4, 0.25};
     GuidingTables t = row_of_cubes(3);
     set_shadow_ray_factors(met_of(part, squares, 1, 3, 2), t);
-    // 1 / 4 + 2 * 4 in the first cube, 1 / 4 in the second; 8.5 / 4 in the mean, which counts as 32 samples. A shadow
-    // ray takes a fifth of a vertex, and a quarter are taken to arrive: 0.25 * 3 / (2 * 0.2) = 1.875.
+    // 1 / 4 + 2 * 4 in the first cell, 1 / 4 in the second; the mean 8.5 / 4 has the weight of 32 samples. A shadow ray
+    // costs a fifth of a vertex, and a quarter are assumed unoccluded: 0.25 * 3 / (2 * 0.2) = 1.875.
     ASSERT_EQ(t.shadow_ray_factors.size(), 3u);
     EXPECT_FLOAT_EQ(t.shadow_ray_factors[0], float(std::sqrt((8.25 + 68) / 35.0 * 1.875)));
     EXPECT_FLOAT_EQ(t.shadow_ray_factors[1], float(std::sqrt((0.25 + 68) / 33.0 * 1.875)));
     EXPECT_FLOAT_EQ(t.shadow_ray_factors[2], float(std::sqrt(8.5 / 4 * 1.875)));
 }
 
-/// A surface from which a path went on.
+/// A surface at which the path continued.
 GuidingRecord passed(float x, std::uint16_t side, float value)
 {
     return {{x, 0.5f, 0.5f}, side, 0, value, 0};
 }
 
-/// The region of side 0 of each cube, if it is to be known.
+/// The region of side 0 of each cell, if it has one.
 GuidingTables row_of_regions(std::uint32_t count)
 {
     GuidingTables t = row_of_cubes(count);
@@ -151,11 +151,11 @@ GuidingTables row_of_regions(std::uint32_t count)
     return t;
 }
 
-/// Values are radiance times pi; what paths bring counts beside their pixels and for the vertices that come after it.
+/// Values are radiance times pi; a path's contribution counts relative to its pixel and per later vertex.
 TEST(PathNeeds, GoByWhatPathsBringForWhatTheyTake)
 {
     constexpr float pi = 3.14159265f;
-    // The last surfaces of two paths go nowhere; other sides, and cubes of which nothing is known, don't count.
+    // The last surfaces of two paths have no continuation; other sides and cells without data are ignored.
     const GuidingRecords part = part_of({{passed(0.5f, 0, 2 * pi), surface(2.5f, 9), surface(2.5f, 9)},
                                          {passed(0.5f, 0, 6 * pi)},
                                          {passed(0.5f, 3, 50 * pi), passed(2.5f, 0, 1 * pi), surface(0.5f, 9)}});
@@ -163,15 +163,16 @@ TEST(PathNeeds, GoByWhatPathsBringForWhatTheyTake)
     GuidingTables t = row_of_regions(4);
     set_survival_factors(met_of(part, squares, 1, 3.5, 8), t);
     ASSERT_EQ(t.survival_factors.size(), 4u);
-    // Squares beside the brightness: 4 / 4 + 36 / 9 = 5, for 2.5 + 0.5 vertices; a whole path takes 3.5 + 0.5.
+    // Squared contribution over squared brightness: 4 / 4 + 36 / 9 = 5 for 2.5 + 0.5 vertices; a whole path costs 3.5 +
+    // 0.5.
     EXPECT_FLOAT_EQ(t.survival_factors[0], float(0.7 * std::sqrt(5 / 3.0 * 4 / 8)));
-    // 1 / 0.25 for 1 + 0.5.
+    // 1 / 0.25 for 1 + 0.5 vertices.
     EXPECT_FLOAT_EQ(t.survival_factors[2], float(0.7 * std::sqrt(4 / 1.5 * 4 / 8)));
-    // Of the fourth cube, which is in a block with the third, nothing was met: go on.
+    // The fourth cell, in a block with the third, has no records, so paths always survive there.
     EXPECT_GE(t.survival_factors[3], 1e10f);
 }
 
-/// Cubes of a block share half of what they know, record by record.
+/// Cells of a block share half of their statistics, record by record.
 TEST(PathNeeds, AreShared)
 {
     constexpr float pi = 3.14159265f;
@@ -180,12 +181,12 @@ TEST(PathNeeds, AreShared)
     const double squares[] = {1};
     GuidingTables t = row_of_regions(2);
     set_survival_factors(met_of(part, squares, 4, 0.5, 1), t);
-    // All four together bring 3 in the mean of squares, each for half a vertex, while a path takes one.
+    // All four have a mean square of 3 for half a vertex each, while a path costs one vertex.
     EXPECT_FLOAT_EQ(t.survival_factors[0], float(0.7 * std::sqrt((0.5 * 4 + 0.5 * 3) / 0.5)));
     EXPECT_FLOAT_EQ(t.survival_factors[1], float(0.7 * std::sqrt(0.5 * 3 / 0.5)));
 }
 
-/// Single values above the most that one counts don't decide, and what tells nothing gives no number that is none.
+/// Values above the limit for a single record don't dominate, and records without information give finite factors.
 TEST(PathNeeds, AreFinite)
 {
     constexpr float pi = 3.14159265f;

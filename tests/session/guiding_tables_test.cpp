@@ -7,7 +7,7 @@ namespace {
 
 constexpr std::uint16_t usual_bin = 4 * guiding_sectors + 6, other_bin = 6 * guiding_sectors + 12;
 
-/// Surfaces along x, all of side 0, with light of the same radiance.
+/// Surfaces along x, all of side 0, with incident light of equal radiance.
 GuidingRecords row_of_surfaces(int count)
 {
     GuidingRecords part;
@@ -18,7 +18,7 @@ GuidingRecords row_of_surfaces(int count)
     return part;
 }
 
-/// Of the directions in the region of side 0 of a cube, how many are in a bin.
+/// Probability of a bin in the region of side 0 of a cell.
 float share_of(const GuidingTables& t, std::uint32_t cube, std::uint32_t bin)
 {
     const std::uint32_t region = t.regions[std::size_t(cube) * guiding_sides];
@@ -27,19 +27,19 @@ float share_of(const GuidingTables& t, std::uint32_t cube, std::uint32_t bin)
     return sums[bin + 1] - sums[bin];
 }
 
-/// Half of what a cube's region knows is that of its block of eight cubes, and nothing of the next block.
+/// A cell's region gets half of its data from its block of eight cells and none from the next block.
 TEST(GuidingTables, RegionsShareWithTheirBlock)
 {
     GuidingRecords part = row_of_surfaces(40000);
     const std::shared_ptr<GuidingTables> cubes = make_guiding({&part});
     ASSERT_TRUE(cubes);
     ASSERT_GE(cubes->cells[0], 4u);
-    // In the second cube light comes from elsewhere.
+    // In the second cell light comes from another direction.
     for (GuidingRecord& r : part.surfaces)
         if (guiding_cube(*cubes, r.position) == 1) r.bin = other_bin;
     const std::shared_ptr<GuidingTables> t = make_guiding({&part});
     ASSERT_EQ(t->cells[0], cubes->cells[0]);
-    // A bin gives a tenth to each of its four neighbours; a twentieth is even.
+    // A bin gives a tenth to each of its four neighbors; a twentieth of the whole is uniform.
     constexpr float kept = 0.95f / 1.4f, even = 0.05f / (guiding_bins / 2);
     EXPECT_NEAR(share_of(*t, 0, usual_bin), 0.75f * kept + even, 0.01f);
     EXPECT_NEAR(share_of(*t, 0, other_bin), 0.25f * kept + even, 0.01f);
@@ -51,7 +51,7 @@ TEST(GuidingTables, RegionsShareWithTheirBlock)
     EXPECT_DOUBLE_EQ(t->max_value, 200);
 }
 
-/// Where next to nothing is known, there are no tables.
+/// Without enough records there are no tables.
 TEST(GuidingTables, NeedRecords)
 {
     const GuidingRecords none = row_of_surfaces(0), few = row_of_surfaces(30);

@@ -9,7 +9,7 @@
 namespace fathom {
 namespace {
 
-/// A ball on a ball, lit from everywhere.
+/// A sphere on a sphere under uniform illumination.
 SceneDescription balls()
 {
     SceneDescription d;
@@ -84,7 +84,7 @@ TEST(RenderPass, LeavesTheFilmAsItWasIfCancelled)
     expect_same(film, as_it_was);
 }
 
-/// In the middle of the first pass, and of one of a film that came from elsewhere, whose passes may take any time.
+/// Cancels the first pass, and a pass of an existing film, whose duration is unknown.
 TEST(Render, DropsAPassThatIsCancelled)
 {
     const Scene scene = compiled();
@@ -98,7 +98,7 @@ TEST(Render, DropsAPassThatIsCancelled)
             if (before > 0) render(job, {0, before}, made);
             render(job, {0, before + 3}, whole);
             for (const double processor_s : {0.005, 0.03}) {
-                // A pass of some samples, which takes several times as long: rarely it is done before the cancel.
+                // A pass of several times that duration: it rarely finishes before it is cancelled.
                 bool is_dropped = false;
                 for (int attempt = 0; attempt < 20 && !is_dropped; ++attempt) {
                     Film film = Film::from_sums(made.sums());
@@ -112,7 +112,7 @@ TEST(Render, DropsAPassThatIsCancelled)
                 }
                 EXPECT_TRUE(is_dropped);
             }
-            // One that nobody cancels is counted, apart or not.
+            // A pass that is not cancelled is added, in a separate film or directly.
             Film film = Film::from_sums(made.sums());
             const std::atomic<bool> never = false;
             EXPECT_TRUE(render(job, {before, before + 3}, film, &never));
@@ -120,7 +120,7 @@ TEST(Render, DropsAPassThatIsCancelled)
         }
 }
 
-/// In the middle of a pass, with tiles done already: of the first pass, and of a later one.
+/// Cancels the first or a later pass after some of its tiles are finished.
 TEST(RenderPass, CanBeCancelledAtAnyTime)
 {
     const Scene scene = compiled();
@@ -135,7 +135,7 @@ TEST(RenderPass, CanBeCancelledAtAnyTime)
             render_pass(job, {0, before}, as_it_was, never);
         }
         for (const double processor_s : {0.002, 0.01, 0.04}) {
-            // Far more than any machine does in that time.
+            // More samples than any machine renders in that time.
             const test::CancelledWork work = test::cancel_after(processor_s, [&](const std::atomic<bool>& cancel) {
                 return render_pass(job, {before, before + 1024}, film, cancel);
             });
@@ -192,7 +192,7 @@ TEST(Film, ResetIsAsNew)
     expect_same(film, other);
 }
 
-/// What could be put together wrongly can't be put together at all.
+/// Combinations that would be inconsistent are rejected.
 TEST(RenderJob, RefusesWhatIsNoPicture)
 {
     const Scene scene = compiled();
@@ -226,7 +226,7 @@ TEST(RenderJob, OnlyFilmsOfItAreRendered)
     Film without_layers{RenderJob(scene, other)};
     EXPECT_THROW(render(job, {0, 1}, without_layers), Error);
     other = small();
-    other.threads = 1;  // decides no bit
+    other.threads = 1;  // has no effect on the bits
     Film same{RenderJob(scene, other)};
     EXPECT_TRUE(render(job, {0, 1}, same));
 }

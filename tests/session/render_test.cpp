@@ -7,7 +7,7 @@
 namespace fathom {
 namespace {
 
-/// Of emissive surfaces before nothing, or a sky: quads alone, or with balls, or many.
+/// Emissive surfaces in front of nothing or a sky: only quads, with spheres, or many.
 SceneDescription scene_of(int kind, float radiance)
 {
     SceneDescription d;
@@ -36,8 +36,8 @@ Image rendered(const SceneDescription& d, const RenderSettings& settings, Sample
     return film.image(settings.alpha, true);
 }
 
-/// Every pixel gets as many samples as were asked for, whatever the size, the range and the threads: a surface that
-/// shines evenly is even, to the last bit, and so is what is too bright for the fast sums.
+/// Every pixel gets the requested number of samples for any size, range and number of threads: a uniform emitter is
+/// uniform to the last bit, also if it is too bright for the fast sums.
 TEST(Render, EveryPixelGetsEverySampleOnce)
 {
     for (int kind = 0; kind < 3; ++kind)
@@ -53,7 +53,7 @@ TEST(Render, EveryPixelGetsEverySampleOnce)
                     for (std::size_t i = 0; i < std::size_t(width * height); ++i) {
                         for (std::size_t c = 0; c < 3; ++c) {
                             ASSERT_EQ(image.layers[0].pixels[4 * i + c], radiance * float(c + 1)) << kind << " " << i;
-                            // But for the rounding of a difference of doubles.
+                            // Only rounding of a difference of doubles remains.
                             ASSERT_LE(image.find("variance")->pixels[3 * i + c], 1e-14f * radiance * radiance * 9);
                         }
                         ASSERT_EQ(image.layers[0].pixels[4 * i + 3], 1);
@@ -61,7 +61,7 @@ TEST(Render, EveryPixelGetsEverySampleOnce)
                 }
 }
 
-/// A floor in a sky of two colours: noise to tell samples apart by.
+/// A floor under a sky of two colors, whose noise distinguishes samples.
 SceneDescription noisy(int kind)
 {
     SceneDescription d = scene_of(kind, 0);
@@ -85,7 +85,7 @@ TEST(Render, AnotherSeedIsOtherNoise)
     }
 }
 
-/// Each sample is of its own index, and of its own pixel: none is another's.
+/// Each sample depends on its own index and pixel; no two are equal.
 TEST(Render, SamplesAndPixelsDiffer)
 {
     for (int kind = 0; kind < 3; ++kind) {
@@ -97,12 +97,12 @@ TEST(Render, SamplesAndPixelsDiffer)
             for (std::size_t i = 0; i < 64; ++i) seen.push_back(image.layers[0].pixels[3 * i]);
         }
         std::sort(seen.begin(), seen.end());
-        // By chance two may be the same number.
+        // A few pairs may be equal by chance.
         EXPECT_GE(std::unique(seen.begin(), seen.end()) - seen.begin(), 508) << kind;
     }
 }
 
-/// The mean, and its variance, of what single samples are: one by one, as numbers.
+/// Mean and variance against single samples rendered one at a time.
 TEST(Render, MeanAndVarianceOfItsSamples)
 {
     Warnings warnings;
@@ -122,12 +122,12 @@ TEST(Render, MeanAndVarianceOfItsSamples)
         const std::size_t i = std::size_t(3 * (y * 9 + x) + 1);
         const double mean = sum / 20;
         EXPECT_NEAR(image.layers[0].pixels[i], mean, 1e-6);
-        // Of the mean: the samples' variance over n - 1.
+        // Variance of the mean: that of the samples over n - 1.
         EXPECT_NEAR(image.find("variance")->pixels[i] / ((squares / 20 - mean * mean) / 19), 1, 1e-4);
     }
 }
 
-/// Progress counts what there is to do, and what has been done, up to the end.
+/// Progress reports the total and the finished work, up to the end.
 TEST(Render, TellsItsProgress)
 {
     Warnings warnings;
@@ -152,8 +152,8 @@ TEST(Render, TellsItsProgress)
     EXPECT_EQ(other.samples_per_pixel(), 0u);
 }
 
-/// Before the camera a floor that fills the picture, behind it a lamp: each sample is a ray from the camera, a vertex,
-/// a shadow ray that nothing blocks, and a bounce.
+/// A floor fills the image and a light is behind the camera: each sample has one camera ray, a vertex, an unoccluded
+/// shadow ray and a bounce.
 TEST(Render, CountsRaysAndVertices)
 {
     for (int kind = 0; kind < 3; ++kind) {
@@ -179,7 +179,7 @@ TEST(Render, CountsRaysAndVertices)
     }
 }
 
-/// Time goes into the stages that a scene has, and is not measured unless that is asked for.
+/// Time is attributed to the stages that a scene has, and measured only on request.
 TEST(Render, TimesItsStages)
 {
     for (const bool measure : {false, true}) {
@@ -199,7 +199,7 @@ TEST(Render, TimesItsStages)
     }
 }
 
-/// A limit of depth: 0 shows what shines, 1 adds what it lights, in each kind of scene.
+/// max_depth 0 shows emission only, 1 adds direct illumination, in each kind of scene.
 TEST(Render, DepthIsCountedFromTheCamera)
 {
     for (int kind = 0; kind < 3; ++kind) {

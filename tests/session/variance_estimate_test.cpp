@@ -5,7 +5,7 @@
 namespace fathom {
 namespace {
 
-/// Sets that are spread evenly vary as their means do, not as the samples in them.
+/// The variance of evenly spread groups is that of their means, not of the samples in them.
 TEST(PathNoise, SpreadsOfPixels)
 {
     // Means of 2, 2, 3 and 5, 2, 1.
@@ -22,7 +22,7 @@ TEST(PathNoise, SpreadsOfPixels)
     EXPECT_DOUBLE_EQ(fours[0].variance, 4 * (4 + 0 + 4) / 2.0);
 }
 
-/// A pixel's light counts for the sixteen on either side, as far as there are any; the mean's for all.
+/// A pixel's brightness is averaged over up to sixteen neighbors on either side, plus a part of the image's mean.
 TEST(PathNoise, BrightnessIsThatOfNeighbours)
 {
     std::vector<PixelVariance> pixels(40);
@@ -40,7 +40,7 @@ TEST(PathNoise, BrightnessIsThatOfNeighbours)
     EXPECT_DOUBLE_EQ(squared_brightness({{3, 1}})[0], 9.9);
 }
 
-/// Of a thousand numbers the largest is left out.
+/// Of a thousand numbers the largest is ignored.
 TEST(PathNoise, MeanWithoutOutliers)
 {
     EXPECT_EQ(mean_without_outliers({3}), 3);

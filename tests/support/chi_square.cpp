@@ -11,7 +11,7 @@ namespace {
 
 constexpr int theta_cells = 24, phi_cells = 48;
 
-// Cells are even in the polar angle: narrow lobes about the pole are then resolved.
+// Cells are uniform in the polar angle, which resolves narrow lobes about the pole.
 Direction direction(double theta, double phi)
 {
     return {std::sin(theta) * std::cos(phi), std::sin(theta) * std::sin(phi), std::cos(theta)};

@@ -9,13 +9,14 @@ struct Direction {
     double x, y, z;
 };
 
-/// Pearson's test of sampled directions against a density per solid angle: the sphere is cut into cells, the density is
-/// integrated over each, cells expecting less than five samples are pooled. A sample where the density is zero fails.
+/// Pearson's chi-squared test of sampled directions against a pdf with respect to solid angle. The pdf is integrated
+/// over cells of the sphere; cells that expect less than five samples are pooled. A sample where the pdf is zero fails.
 ///
-/// Returns "" if the samples may be of that density, at an error rate of one in a million per test; else what is wrong.
+/// Returns "" if the samples may follow the pdf, at an error rate of one in a million per test, else a description of
+/// the mismatch.
 std::string chi_square_directions(const std::vector<Direction>& samples, const std::function<double(Direction)>& pdf);
 
-/// The same for numbers of cells with expected counts.
+/// Pearson's chi-squared test of observed cell counts against expected counts.
 std::string chi_square(const std::vector<double>& observed, const std::vector<double>& expected);
 
 /// Integral of f over the sphere of directions.

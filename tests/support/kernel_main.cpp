@@ -17,8 +17,8 @@ bool runs_here(const char* isa)
     return !std::strcmp(isa, "base");
 }
 
-/// Before all other code of the program: what is made before main is compiled for the instruction set as well. glibc
-/// hands constructors the arguments.
+/// Runs before all other code, because even initializers are compiled for the instruction set. glibc passes the
+/// arguments to constructors.
 [[gnu::constructor(101)]] void skip_where_it_cannot_run(int argc, char** argv)
 {
 #if defined(__x86_64__)

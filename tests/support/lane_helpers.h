@@ -24,7 +24,7 @@ inline bool first(Mask m)
     return mask_bits(m) & 1;
 }
 
-/// Independent uniform numbers, lane by lane; the same sequence at each width.
+/// Independent uniform numbers for each lane; the sequence is the same at each SIMD width.
 class Random {
 public:
     explicit Random(unsigned seed = 1) : engine_(seed) {}

@@ -6,8 +6,8 @@
 
 namespace fathom::test {
 
-/// While it lives, the process gets so much more address space and then no more. More than it has: a sanitizer's shadow
-/// alone is larger than any limit.
+/// While it exists, the process may use only this much more address space. It is relative because a sanitizer's shadow
+/// memory alone exceeds any absolute limit.
 class MemoryLimit {
 public:
     explicit MemoryLimit(rlim_t bytes)

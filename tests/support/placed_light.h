@@ -3,7 +3,7 @@
 
 namespace fathom::test {
 
-/// Adds a light at a node of its own.
+/// Adds a light with a node of its own.
 inline void add_light(SceneDescription& d, const Light& light, const Transform& place)
 {
     Node node;

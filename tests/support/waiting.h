@@ -4,16 +4,16 @@
 #include <ctime>
 #include <thread>
 
-/// Tests wait for states and measure processor time: no test may fail because the machine is slow (docs/testing.md).
+/// Tests wait for states and measure CPU time: no test may fail because the machine is slow (docs/testing.md).
 namespace fathom::test {
 
-/// What this process has run on processors, all its threads together.
+/// CPU time of this process, the sum of all threads.
 inline double processor_seconds()
 {
     return double(std::clock()) / double(CLOCKS_PER_SEC);
 }
 
-/// Waits until the condition holds. False after half an hour, which only ends what hangs.
+/// Waits until the condition holds. Returns false after half an hour, which only ends tests that hang.
 template <class Condition>
 bool wait_for(const Condition& condition)
 {
@@ -26,12 +26,12 @@ bool wait_for(const Condition& condition)
 }
 
 struct CancelledWork {
-    bool is_done;           ///< what the work returned
-    double since_cancel_s;  ///< processor time from the cancel to the work's end
+    bool is_done;           ///< result of the work
+    double since_cancel_s;  ///< CPU time from the cancellation to the end of the work
 };
 
-/// Calls work(cancel), and sets `cancel` once this process has used so much more processor time. On a busy machine the
-/// work may be done before that.
+/// Calls work(cancel), and sets `cancel` after this process has used the given additional CPU time. On a busy machine
+/// the work may finish before.
 template <class Work>
 CancelledWork cancel_after(double processor_s, const Work& work)
 {

@@ -1,15 +1,15 @@
-"""Waits for states, never for times: the one helper by which tests in Python wait, run programs and end them.
+"""Waits for states, never for times: all Python tests wait for, run and end programs with this module.
 
-No test may fail because the machine is slow. A test waits for what it can observe (a file, a line, a title, a process that has
-ended), however long that takes. PATIENCE_S only ends what hangs. Where a program could run on for ever, its processor time is
-limited, which other programs don't use up.
+No test may fail because the machine is slow. A test waits for something observable (a file, a line, a title, the end of a
+process), however long it takes. PATIENCE_S only ends tests that hang. The CPU time of programs that might run forever is
+limited; it does not depend on other programs.
 
     wait_for("the window", find_window)                   the first true value of find_window()
     wait_for("4 samples", lambda: n() >= 4, seen=n)       a failure also reports what n() was at the end
     run(words, cwd=folder)                                like subprocess.run with captured text
     finish(process)                                       like process.communicate()
-    processor_seconds(pid)                                what a running process has used
-    processor_seconds_of_children()                       what all that were waited for have used
+    processor_seconds(pid)                                CPU time of a running process
+    processor_seconds_of_children()                       CPU time of all children that have ended
 """
 import os
 import resource
@@ -17,9 +17,9 @@ import signal
 import subprocess
 import time
 
-# The last resort. FATHOM_TEST_PATIENCE shortens it where hangs are expected, as under planted bugs.
+# The last resort. FATHOM_TEST_PATIENCE shortens it where hangs are expected, such as with planted bugs.
 PATIENCE_S = float(os.environ.get("FATHOM_TEST_PATIENCE", 1800))
-# Hundreds of times what a program under test needs, also under a sanitizer.
+# Hundreds of times the need of a program under test, also with a sanitizer.
 PROCESSOR_S = 900
 PAUSE_S = 0.05
 
@@ -31,19 +31,19 @@ def last_lines(text, count=40):
 def what_is_seen(seen):
     try:
         return seen()
-    except Exception as error:  # a window that is closed has no title
+    except Exception as error:  # a closed window has no title
         return f"none ({error})"
 
 
 def wait_for(what, condition, seen=None, stop=None, pause_s=PAUSE_S):
     """The first true value of condition().
 
-    seen  a function: the state that a failure reports
-    stop  a function: why waiting has become useless (a process that has ended), or a false value
+    seen  function that returns the state to report on failure
+    stop  function that returns why waiting has become useless (such as an ended process), or a false value
     """
     end = time.monotonic() + PATIENCE_S
     while True:
-        # Asked first: what is true when the process has ended was true before.
+        # The order matters: a condition that holds after the end of the process must be evaluated after `stop`.
         reason = stop() if stop else None
         value = condition()
         if value:
@@ -57,19 +57,19 @@ def wait_for(what, condition, seen=None, stop=None, pause_s=PAUSE_S):
 
 
 def ended(process, name="the program"):
-    """For `stop` of wait_for: a Popen that has ended."""
+    """Argument `stop` of wait_for that reports the end of a Popen."""
     return lambda: process.poll() is not None and f"{name} has ended with {process.returncode}"
 
 
 def limit_processor_time(process, seconds=PROCESSOR_S):
-    """Ends what never ends by itself, but not what is slow for lack of a processor; None: no limit. Each program that it starts has
-    a limit of its own."""
+    """Ends programs that never end by themselves, but not those that are slow under load; None: no limit. Each child
+    process has a limit of its own."""
     if seconds is None:
         return
     try:
         resource.prlimit(process.pid, resource.RLIMIT_CPU, (seconds, seconds + 10))
     except (ProcessLookupError, PermissionError):
-        pass  # it has ended, or has become another user
+        pass  # it has ended, or changed its user
 
 
 def finish(process, words="the program"):
@@ -91,7 +91,7 @@ def finish(process, words="the program"):
 
 
 def run(words, processor_s=PROCESSOR_S, text=True, **options):
-    """Like subprocess.run: a CompletedProcess, with stdout and stderr captured unless they are given."""
+    """Like subprocess.run, with stdout and stderr captured unless they are given."""
     words = [os.fspath(word) for word in words]
     options = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, **options}
     check = options.pop("check", False)
@@ -105,7 +105,7 @@ def run(words, processor_s=PROCESSOR_S, text=True, **options):
 
 
 def processor_seconds(pid):
-    """Seconds that a process which is there has run on a processor, all its threads together."""
+    """CPU time of a running process in seconds, the sum of all its threads."""
     with open(f"/proc/{pid}/stat") as file:
         fields = file.read().rpartition(")")[2].split()
     return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
@@ -117,7 +117,7 @@ def processor_seconds_of_children():
 
 
 def has_signal(pid, kind, number):
-    """Whether a signal stands in a mask of /proc/PID/status, as SigCgt (there is a handler) or ShdPnd (sent, not yet handled)."""
+    """Whether a mask of /proc/PID/status, such as SigCgt (has a handler) or ShdPnd (pending), contains a signal."""
     try:
         with open(f"/proc/{pid}/status") as file:
             masks = dict(line.split(":", 1) for line in file)
@@ -127,7 +127,7 @@ def has_signal(pid, kind, number):
 
 
 def state_of(pid):
-    """The letter of /proc/PID/stat: R, S, T (stopped), Z (ended, but nobody has waited for it); X where there is no such process."""
+    """State letter of /proc/PID/stat: R, S, T (stopped), Z (ended, not yet waited for); X if there is no such process."""
     try:
         with open(f"/proc/{pid}/stat") as file:
             return file.read().rpartition(")")[2].split()[0]
@@ -136,12 +136,12 @@ def state_of(pid):
 
 
 def is_running(pid):
-    """Whether a process, be it another's child, is there and has not ended."""
+    """Whether a process exists and has not ended; it need not be a child of this one."""
     return state_of(pid) not in "ZX"
 
 
 def stop(pid):
-    """Holds a process until it gets SIGCONT; false if it has ended. Before it is seen to stand it may handle other signals."""
+    """Stops a process until SIGCONT and returns False if it has ended. It may handle other signals until it stops."""
     try:
         os.kill(pid, signal.SIGSTOP)
     except ProcessLookupError:

@@ -7,7 +7,7 @@
 namespace fathom::test {
 namespace {
 
-/// The cells about -2 to 2 that have a dot in pbrt-v4, and the middles of some.
+/// Cells from -2 to 2 with a dot in pbrt-v4, and the centers of some.
 TEST(DotsTexture, AreWherePbrtHasThem)
 {
     const std::set<std::pair<int, int>> cells = {{-2, -2}, {-1, -1}, {-1, 2}, {0, 1},  {0, 2}, {1, -2},

@@ -5,7 +5,7 @@
 namespace fathom::test {
 namespace {
 
-/// Numbers of pbrt-v4's own functions, in double: five octaves of gain 0.6, and its wind.
+/// Values of pbrt-v4's own functions in double precision: fBm with five octaves of gain 0.6, and its windy texture.
 struct Known {
     double p[3];
     double noise, fbm, wrinkled, windy;
@@ -29,7 +29,7 @@ TEST(FractalTextures, AreThoseOfPbrt)
             t.gain = 0.6f, t.octaves = 5;
             return f.at_place(f.add(t), p)[1];
         };
-        // Places are floats: fine octaves magnify what they are rounded by.
+        // Positions are floats, whose rounding errors are magnified by fine octaves.
         const double rounding = 4e-6 * (1 + length(p));
         EXPECT_NEAR(first(improved_noise(Vec3(to_float(p)))), k.noise, rounding);
         EXPECT_NEAR(value(TextureKind::fbm), k.fbm, rounding);
@@ -53,7 +53,7 @@ TEST(FractalTextures, GoFromColourToColourAndStandInTheirSpace)
     EXPECT_NEAR(c[2], 3 - 2 * k.fbm, 2e-4);
 }
 
-/// The colours of pbrt's marble, by Bézier's formula from its nine greys.
+/// Colors of pbrt's marble, by Bezier's formula from its nine control colors.
 TEST(FractalTextures, MarbleHasItsVeins)
 {
     const double colors[9][3] = {{.58, .58, .6}, {.58, .58, .6}, {.58, .58, .6}, {.5, .5, .5},  {.6, .59, .58},

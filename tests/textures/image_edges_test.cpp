@@ -4,7 +4,7 @@
 namespace fathom::test {
 namespace {
 
-/// 4 x 4 texels that say where they are: red the column, green the row.
+/// 4 x 4 texels that encode their position: red the column, green the row.
 TextureRecord places(TextureFixture& f)
 {
     TextureRecord t = TextureFixture::of(TextureKind::image);
@@ -26,14 +26,14 @@ TEST(ImageEdges, BlackIsNothingOutside)
     EXPECT_EQ(f.at(sharp, 1.01f, 0.4f), (Rgba{0, 0, 0, 0}));
     EXPECT_EQ(f.at(sharp, -0.01f, 0.4f), (Rgba{0, 0, 0, 0}));
     t.nearest = 0;
-    // Half a texel beyond the middle of the last one, half of it is left.
+    // Half a texel beyond the center of the last texel the value is half.
     EXPECT_EQ(f.at(f.add(t), 1, 0.375f), (Rgba{1.5f, 0.5f, 0.5f, 0.5f}));
     std::swap(t.wrap_u, t.wrap_v);
     EXPECT_EQ(f.at(f.add(t), 0.375f, 0), (Rgba{0.5f, 0, 0.5f, 0.5f}));
     EXPECT_EQ(f.at(f.add(t), 1.375f, 1.3f), (Rgba{0, 0, 0, 0}));
 }
 
-/// Across an edge lies the same edge, turned about its middle.
+/// Across an edge of an octahedral map lies the same edge, mirrored about its midpoint.
 TEST(ImageEdges, OctahedralFolds)
 {
     TextureFixture f;
@@ -47,7 +47,7 @@ TEST(ImageEdges, OctahedralFolds)
     EXPECT_EQ(f.at(sharp, 0.1f, -0.3f), (Rgba{3, 1, 1, 1}));
     EXPECT_EQ(f.at(sharp, 0.6f, 1.3f), (Rgba{1, 2, 1, 1}));
     t.nearest = 0;
-    // So what is seen goes on across it.
+    // Therefore lookup is continuous across the edge.
     const std::uint32_t smooth = f.add(t);
     const Rgba inside = f.at(smooth, 1e-6f, 0.2f), outside = f.at(smooth, -1e-6f, 0.8f);
     for (std::size_t c = 0; c < 4; ++c) EXPECT_NEAR(inside[c], outside[c], 1e-4);

@@ -44,7 +44,7 @@ TEST(Mapping, SpaceComesFirstAndTheMapOfUvLast)
     EXPECT_EQ(c[3], 1);
 }
 
-/// What a texture refers to looks at uv of its own; only uv_transform hands its own on.
+/// A texture's operands use their own coordinates; only uv_transform passes its coordinates on.
 TEST(Mapping, IsNotHandedOn)
 {
     TextureFixture f;

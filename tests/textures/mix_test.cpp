@@ -41,7 +41,7 @@ TEST(MixTexture, MixesTexturesByAChannelOfAThird)
     }
 }
 
-/// By the weights of Rec. 709, for all lanes alike and for each its own.
+/// Luminance weights of Rec. 709, with uniform and varying operands.
 TEST(MixTexture, FactorsByLuminance)
 {
     TextureFixture f;

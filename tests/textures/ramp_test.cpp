@@ -8,7 +8,7 @@ namespace {
 TEST(RampTexture, IsLinearBetweenStopsAndConstantBeyond)
 {
     TextureFixture f;
-    // Another ramp's stops come first.
+    // Another ramp's stops come first in the table.
     f.tables.ramp_stops = {{0, {9, 9, 9}}, {1, {9, 9, 9}}};
     TextureRecord ramp = TextureFixture::of(TextureKind::ramp);
     ramp.first_stop = 2, ramp.stop_count = 3;

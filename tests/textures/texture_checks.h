@@ -1,5 +1,5 @@
 #pragma once
-/// What the tests of texture nodes are made of: a graph of records, looked up at one place.
+/// Fixture for texture nodes: a graph of records that is evaluated at one point.
 #include <gtest/gtest.h>
 
 #include "support/lane_helpers.h"
@@ -15,7 +15,7 @@ struct TextureFixture {
         tables.textures.push_back(record);
         return std::uint32_t(tables.textures.size() - 1);
     }
-    /// Plain: the same everywhere.
+    /// A constant color.
     std::uint32_t add_color(float r, float g, float b, float a = 1)
     {
         TextureRecord t = of(TextureKind::scale);

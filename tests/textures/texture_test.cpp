@@ -14,7 +14,7 @@ namespace {
 
 using test::first;
 
-/// A value of its own for each texel and channel, that each format holds: codes of 8 bits.
+/// A distinct value for each texel and channel, as an 8-bit code that each format represents.
 int code_of(int x, int y, int channel)
 {
     return 3 + x * 17 + y * 40 + channel * 60;
@@ -55,8 +55,8 @@ int wrapped(int i, int size, Wrap mode)
     return r < size ? r : 2 * size - 1 - r;
 }
 
-/// Texel centres give the texels themselves, in each channel, also beyond the edges; the middle between two of them
-/// gives their mean, or the nearest one.
+/// Lookups at texel centers return the texel in each channel, also beyond the edges; halfway between two texels they
+/// return the mean, or the nearest one.
 TEST(ImageTexture, TexelsInEachWrapMode)
 {
     for (const bool packed : {false, true})
@@ -65,7 +65,7 @@ TEST(ImageTexture, TexelsInEachWrapMode)
                 for (const bool nearest : {false, true}) {
                     TextureRecord t;
                     ShadingTables tables = picture(packed ? TexelFormat::bytes : TexelFormat::float4, t);
-                    // Values of one byte, in both.
+                    // 8-bit values, in both storage formats.
                     for (int i = 0; !packed && i < int(tables.texels.size()); ++i)
                         tables.texels[std::size_t(i)] = float(value(i / 4 % width, i / 4 / width, i % 4));
                     t.wrap_u = std::uint32_t(wrap_u), t.wrap_v = std::uint32_t(wrap_v);
@@ -139,7 +139,7 @@ TexturePoint point(double u0, double v0, double u1, double v1, Vec3d p = {})
             {Float(1), Float(1), Float(1), Float(1)}};
 }
 
-/// Two colours, so that the share of the second can be read off; alpha likewise.
+/// Two colors, so that the weight of the second can be recovered; alpha likewise.
 TextureRecord mixed(TextureKind kind)
 {
     TextureRecord t;
@@ -197,7 +197,7 @@ TEST(Textures, Checkers)
     }
 }
 
-// ---- noise, written again from the paper, in double
+//  noise, reimplemented from the paper in double precision
 
 std::uint32_t mix_bits(std::uint32_t x)
 {
@@ -205,7 +205,7 @@ std::uint32_t mix_bits(std::uint32_t x)
     return x;
 }
 
-/// Perlin 2002: the dot products of the twelve edges of a cube, four of them twice.
+/// Perlin 2002: dot products with the twelve edges of a cube, four of them twice.
 double perlin(double x, double y, double z)
 {
     static const double edges[16][3] = {{1, 1, 0},  {-1, 1, 0},  {1, -1, 0}, {-1, -1, 0}, {1, 0, 1},  {-1, 0, 1},
@@ -244,7 +244,7 @@ double turbulence(Vec3d p, int octaves)
 TEST(Textures, NoiseOfThePaper)
 {
     TextureRecord t = mixed(TextureKind::noise);
-    // Nothing at lattice points.
+    // Noise is zero at lattice points.
     for (const Vec3d& p : {Vec3d{0, 0, 0}, {3, -2, 7}, {-100, 5, 1}})
         EXPECT_NEAR(share(t, point(0, 0, 0, 0, p)), 0.5, 1e-6);
     TextureRecord turbulent = mixed(TextureKind::turbulence), marble = mixed(TextureKind::marble);
@@ -261,7 +261,7 @@ TEST(Textures, NoiseOfThePaper)
         largest = std::max(largest, std::abs(noise));
         EXPECT_NEAR(share(t, at), 0.5 + 0.5 * noise, 1e-5);
         EXPECT_NEAR(share(turbulent, at), turbulence(p * 0.75, 3), 2e-5);
-        // The stripes are scaled, not what bends them.
+        // The scale applies to the stripes, not to the turbulence.
         EXPECT_NEAR(share(marble, at), 0.5 + 0.5 * std::sin(2.5 * p.z + 6 * turbulence(p, 4)), 2e-4);
     }
     EXPECT_GT(largest, 0.5);

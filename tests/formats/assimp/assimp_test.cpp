@@ -148,7 +148,7 @@ TEST_F(AssimpModule, AnswersKeepEveryMemberOfMaterials)
         using Member = decltype(member);
         if constexpr (std::is_same_v<Member, std::vector<RampStop> Material::*> ||
                       std::is_same_v<Member, Vec2f Material::*> || std::is_same_v<Member, Transform Material::*>)
-            return true;  // nested textures occur only inside textures
+            return true;  // only textures have members of these types
         else if constexpr (requires { member.index; })
             return a.*member.index == b.*member.index;
         else if constexpr (requires { (a.*member).channel; })

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Checks the scenes, and what the program writes of them, against docs/scene.schema.json.  schema_test.py ROOT PROGRAM  Exit code 77 (skipped) where Python's jsonschema is not installed."""
+"""Checks scene files, and the program's saved versions of them, against docs/scene.schema.json.  schema_test.py ROOT PROGRAM  Exit code 77 (skipped) without Python's jsonschema."""
 import json
 import pathlib
 import subprocess
@@ -37,7 +37,7 @@ with tempfile.TemporaryDirectory() as folder:
         written = pathlib.Path(folder) / "scene.json"
         subprocess.run([sys.argv[2], "convert", path, written, "--quiet"], check=True)
         expect(True, f"what is written of {path.name}", json.loads(written.read_text()))
-# The reader refuses these too: see fathom_json_errors_test.cpp.
+# The importer rejects these as well, see fathom_json_errors_test.cpp.
 for bad in ({"sceen": []}, {"fathom": 2}, {"materials": {"red": {"colr": 1}}}, {"materials": {"m": {"kind": "mirror"}}},
             {"materials": {"m": {"kind": "glass", "fuzz": 1}}}, {"materials": {"m": {"color": [1, 0, 2]}}},
             {"camera": {"position": [1, 2]}}, {"camera": {"fov_y_deg": 180}}, {"camera": {}, "cameras": {}},

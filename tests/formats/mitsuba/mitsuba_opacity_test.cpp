@@ -186,7 +186,7 @@ TEST_F(MitsubaOpacity, NormalMapsAreDecoded)
     EXPECT_TRUE(is_told("most files mean 'raw' to be true"));
 }
 
-/// Bump maps inside `twosided` are mirrored on the back; around it they are flipped.
+/// A bump map inside `twosided` changes its sign on the back; one around it applies to both sides alike.
 TEST_F(MitsubaOpacity, BumpsBehindSurfaces)
 {
     const std::string map = R"(<bsdf type="bumpmap"><texture type="checkerboard"/><float name="scale" value="0.25"/>)",
@@ -260,7 +260,7 @@ TEST_F(MitsubaOpacity, SpecularColors)
     EXPECT_TRUE(warnings_.empty());
 }
 
-/// hide_emitters hides area lights and the environment from the camera, in any nested integrator.
+/// hide_emitters hides area lights and the environment from the camera, before or after the shapes in the file.
 TEST_F(MitsubaOpacity, HiddenEmitters)
 {
     const std::string shapes = std::string("<emitter type=\"constant\"/><shape type=\"sphere\">") + lamp +

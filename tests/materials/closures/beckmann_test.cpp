@@ -7,7 +7,7 @@
 #include "materials/closures/plastic.h"
 #include "materials/closures/principled.h"
 
-// Facets by Beckmann, of every closure that has facets.
+// Beckmann microfacets in every closure with microfacets.
 namespace fathom::test {
 namespace {
 
@@ -46,7 +46,7 @@ TEST(Beckmann, Sampling)
         }
 }
 
-/// All facets together cover the surface.
+/// The projected area of all microfacets is 1.
 TEST(Beckmann, NormalsCoverTheSurface)
 {
     for (const auto& [alpha_x, alpha_y] : {std::pair(0.2, 0.2), std::pair(0.5, 0.5), std::pair(0.6, 0.25)}) {
@@ -65,7 +65,7 @@ TEST(Beckmann, NormalsCoverTheSurface)
     }
 }
 
-/// A plastic without a body is its boundary: F D G / 4, by the formulae in double.
+/// A plastic with a black base reduces to its boundary: F D G / 4, in double precision.
 TEST(Beckmann, IsTheFormula)
 {
     std::mt19937_64 engine(7);
@@ -93,7 +93,7 @@ TEST(Beckmann, IsTheFormula)
     }
 }
 
-/// Facets of layers may be drawn out.
+/// Layered materials support anisotropic Beckmann microfacets.
 TEST(Beckmann, OfLayers)
 {
     const auto layered = [](float metallic) {
@@ -106,9 +106,9 @@ TEST(Beckmann, OfLayers)
         m.layers.coat_normal = Vec3{Float(0), Float(0), Float(1)};
         return LayeredBsdf<false>(m);
     };
-    // A metal alone is rounded to 0 where its facets are rarest; those directions would count as absorbed.
+    // A pure metal underflows to 0 where microfacets are rarest, and such samples would count as absorbed.
     for (double degrees : {0.0, 50.0}) check_sampling(layered(0.5f), degrees, "layered");
-    // Seen and lit from above: D / 4 times the reflectance.
+    // At normal incidence and exitance: D / 4 times the reflectance.
     const double alpha = 0.25, alpha_x = alpha + (1 - alpha) * 0.25;
     const Vec3 up = lane_direction({0, 0, 1});
     EXPECT_NEAR(first(layered(1).eval(up, up).f_cos.c[0]), 0.8 * normals({0, 0, 1}, alpha_x, alpha) / 4, 1e-3);

@@ -10,7 +10,7 @@ TEST(Diffuse, SamplingAndFurnace)
     for (double degrees : {0.0, 45.0, 85.0}) {
         check_sampling(DiffuseBsdf(material(0.7f, 0)), degrees, "Lambert");
         check_sampling(DiffuseBsdf(material(0.7f, 0.8f)), degrees, "rough");
-        // Nothing is lost or made: albedo 1 reflects all.
+        // Energy conservation: albedo 1 reflects everything.
         for (float roughness : {0.0f, 0.5f, 1.0f})
             EXPECT_NEAR(draw(DiffuseBsdf(material(1, roughness)), outgoing(degrees), 400000).albedo, 1, 0.01);
     }

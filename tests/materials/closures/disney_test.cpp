@@ -50,9 +50,9 @@ constexpr Surface surfaces[] = {{},
 struct Row {
     Name surface;
     Direction wo, wi;
-    double red, blue;  ///< the bsdf times the cosine
+    double red, blue;  ///< f cos
 };
-/// Directions below the surface are within.
+/// Directions below the surface are inside.
 constexpr Row mitsuba[] = {
     {plain, {0.31449, 0.10483, 0.94346}, {-0.24077, 0.12039, 0.96309}, 0.219706, 0.0664263},
     {plain, {-0.68376, 0.45584, 0.56980}, {0.61546, 0.61546, 0.49237}, 0.0956604, 0.0170315},
@@ -112,7 +112,7 @@ TEST(Disney, IsThatOfMitsuba)
     }
 }
 
-/// Without what passes light there is less code, that says the same.
+/// The instantiation without transmission has less code and equal results.
 TEST(Disney, OpaqueOnesAreTheSame)
 {
     for (const Row& row : mitsuba) {
@@ -125,7 +125,7 @@ TEST(Disney, OpaqueOnesAreTheSame)
     }
 }
 
-/// What passes no light is no solid, whose boundary would reflect totally from within: Mitsuba's `twosided`.
+/// An opaque material is not a solid, so its back has no total internal reflection: it acts like Mitsuba's `twosided`.
 TEST(Disney, BacksOfOpaqueOnesAreAsFronts)
 {
     for (const Name name : {plain, metal, coat, sheen, tint, flat})
@@ -148,7 +148,7 @@ TEST(Disney, Sampling)
     check_sampling(DisneyBsdf<true>(point(surfaces[trans], false)), 20, "from within");
 }
 
-/// What is sampled comes from all lobes: nothing that eval knows of is missed.
+/// Sampling covers all lobes of eval: the sampled albedo equals the integral.
 TEST(Disney, SamplingGivesAll)
 {
     for (const Name name : {coat, sheen, trans, thin, thin_diffuse, mix}) {
@@ -167,7 +167,7 @@ TEST(Disney, SamplingGivesAll)
     }
 }
 
-/// The coat's directions cover the hemisphere as its density says: the cosine's integral is pi.
+/// The coat's pdf integrates to 1 and its cosine to pi over the hemisphere.
 TEST(Disney, CoatSamplesByItsDensity)
 {
     const Gtr1Coat lobe(Float(0));
@@ -186,7 +186,7 @@ TEST(Disney, CoatSamplesByItsDensity)
     EXPECT_NEAR(sum / (n * lanes), std::numbers::pi, 0.04);
 }
 
-/// Lights without extent show nothing in facets that stand for a mirror.
+/// Microfacets that are treated as mirrors show no lights without extent.
 TEST(Disney, MirrorsShowNoPoints)
 {
     const DisneyBsdf<false> bsdf(point({.roughness = 0.02f, .metallic = 1}));

@@ -7,7 +7,7 @@
 #include "materials/closures/plastic.h"
 #include "materials/closures/principled.h"
 
-// Facets with a shadowing term of each direction by itself, and such that stand for mirrors, of every closure.
+// Microfacets with separable shadowing-masking, and those treated as mirrors, in every closure.
 namespace fathom::test {
 namespace {
 
@@ -37,7 +37,7 @@ struct V {
     double x, y, z;
 };
 
-/// Walter et al. 2007, equations 27 and 34.
+/// Smith masking function, Walter et al. 2007, equations 27 and 34.
 double seen(double z, double alpha, bool is_beckmann)
 {
     const double slope = std::sqrt(std::max(0.0, 1 - z * z)) / z;
@@ -54,14 +54,14 @@ double fresnel(double cosine, double ior, double& beyond)
     return (p * p + s * s) / 2;
 }
 
-/// Of light from a direction, what one facet lets through: over all normals as they lie on the surface.
+/// Light from a direction that one microfacet interface transmits, integrated over the distribution of normals.
 double let_through(double z, double alpha, bool is_beckmann, double ior)
 {
     constexpr int slopes = 400, turns = 200;
     const double sine = std::sqrt(1 - z * z);
     double sum = 0;
     for (int i = 0; i < slopes; ++i) {
-        // Of equal areas the steep ones are divided.
+        // Stratified by projected area, with finer strata for steep slopes.
         const double w = (i + 0.5) / slopes, area = 2 * w / slopes;
         const double slope = alpha * std::sqrt(is_beckmann ? -2 * std::log(w) : 1 / (w * w) - 1);
         const double nz = 1 / std::sqrt(1 + slope * slope);
@@ -86,7 +86,8 @@ TEST(SeparableShadowing, Sampling)
     }
 }
 
-/// A plastic without a body is its boundary: F D G / 4, by the formulae in double. So is a white metal of layers.
+/// A plastic with a black base reduces to its boundary: F D G / 4 in double precision, and so does a white metal of
+/// layers.
 TEST(SeparableShadowing, IsTheFormula)
 {
     std::mt19937_64 engine(7);
@@ -117,7 +118,7 @@ TEST(SeparableShadowing, IsTheFormula)
     }
 }
 
-/// What a body under facets shows: color / pi (1 - color inner) / ior^2 of what one facet lets through on either way.
+/// Diffuse base below microfacets: color / pi / (1 - color inner) / ior^2 times the transmittances of both directions.
 TEST(SeparableShadowing, OfWhatPassesABoundary)
 {
     constexpr double inner = 0.4;
@@ -140,8 +141,8 @@ TEST(SeparableShadowing, OfWhatPassesABoundary)
             }
 }
 
-/// Of facets of each kind, what follows for light within leaves no more than there is: smooth ones lose nothing of a
-/// white body's light, rough ones the more the rougher they are.
+/// Separable shadowing never creates energy: a white base below smooth microfacets loses nothing, and rougher ones lose
+/// more.
 TEST(SeparableShadowing, LosesAndNeverGains)
 {
     for (const bool is_beckmann : {false, true})
@@ -158,7 +159,7 @@ TEST(SeparableShadowing, LosesAndNeverGains)
         }
 }
 
-/// Where facets stand for mirrors nothing of a light without extent is seen in them.
+/// Microfacets treated as mirrors show no specular reflection of lights without extent.
 TEST(Mirrors, ShowNoLightsWithoutExtent)
 {
     const Vec3 wo = outgoing(40), mirrored = outgoing(-40);
@@ -176,7 +177,7 @@ TEST(Mirrors, ShowNoLightsWithoutExtent)
     LayeredMaterialPoint black = layered(0, 0);
     black.metallic = Float(1);
     check(LayeredBsdf<false>(layered(0, 0)), LayeredBsdf<false>(black), "layered");
-    // Rough facets do, each on its own.
+    // Rough microfacets do, each closure by itself.
     const auto shown = [&](const auto& bsdf) { return first(bsdf.eval(wo, mirrored, Mask(true)).f_cos.c[0]); };
     EXPECT_GT(shown(PlasticBsdf(material(0, 0.1f))), 1);
     EXPECT_GT(shown(PrincipledBsdf(material(0, 0.1f))), 1);
@@ -184,7 +185,7 @@ TEST(Mirrors, ShowNoLightsWithoutExtent)
     EXPECT_GT(shown(LayeredBsdf<false>(layered(0, 0.1f))), 1);
 }
 
-/// Nor is it through them.
+/// Nor do they transmit lights without extent.
 TEST(Mirrors, LetNoLightsWithoutExtentThrough)
 {
     LayeredMaterialPoint m = layered(0, 0.3f);
@@ -196,7 +197,7 @@ TEST(Mirrors, LetNoLightsWithoutExtentThrough)
     EXPECT_EQ(first(pane.eval(wo, beyond, Mask(true)).f_cos.c[0]), 0);
 }
 
-/// Roughnesses of two directions, the smaller one along the tangent too.
+/// Separate roughness along and across the tangent; either may be the smaller one.
 TEST(TwoRoughnesses, AreThatAlongTheTangentAndThatAcross)
 {
     for (const auto& [along, across] : {std::pair(0.3f, 0.6f), std::pair(0.7f, 0.4f)}) {
@@ -210,7 +211,7 @@ TEST(TwoRoughnesses, AreThatAlongTheTangentAndThatAcross)
         const double alpha_x = double(along) * double(along), alpha_y = double(across) * double(across);
         const double d = 1 / (std::numbers::pi * alpha_x * alpha_y);
         EXPECT_NEAR(first(bsdf.eval(up, up).f_cos.c[0]), d / 4, 1e-3 * d);
-        // Down to where the normal leans by a slope along x; D is as above over the square of 1 + (slope / alpha)^2.
+        // D at a normal with slope s along x equals D of the isotropic case divided by (1 + (s / alpha)^2)^2.
         const double slope = 0.3, z = 1 / std::sqrt(1 + slope * slope);
         const auto normals = [&](double x, double y) {
             const Vec3 w = lane_direction({2 * z * z * x, 2 * z * z * y, 2 * z * z - 1});

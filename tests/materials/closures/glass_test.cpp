@@ -18,7 +18,7 @@ TEST(Glass, SamplingAgreesWithItsDensity)
 
 TEST(Glass, SmoothKeepsAllEnergy)
 {
-    // Radiance is scaled by 1 / eta^2 when refracted: undone, every sample has weight 1.
+    // Radiance is scaled by 1 / eta^2 on refraction; with that undone every sample has weight 1.
     for (bool entering : {true, false})
         for (double degrees : {0.0, 30.0, 60.0, 85.0}) {
             MaterialPoint m = material(1, 0);
@@ -47,7 +47,7 @@ TEST(Glass, ColourIsWhatASolidLeavesOfLightThatWentInAndOut)
     }
 }
 
-/// A tint takes from what is reflected, and from nothing that passes.
+/// A tint scales reflection but not transmission.
 TEST(Glass, TintOfReflections)
 {
     for (const float roughness : {0.f, 0.5f}) {
@@ -83,7 +83,7 @@ TEST(ThinGlass, LetsLightStraightOnFromBothSides)
     for (const bool entering : {true, false}) {
         m.entering = Mask(entering);
         const GlassBsdf bsdf(m);
-        // 4 % of each boundary: 2 * 0.04 / 1.04 = 1 / 13 of both.
+        // 4 % per boundary: the sheet reflects 2 * 0.04 / 1.04 = 1 / 13.
         for (const auto& [choice, reflects] : {std::pair{1 / 13.0 - 1e-4, true}, {1 / 13.0 + 1e-4, false}}) {
             const BsdfSample s = bsdf.sample(outgoing(0), {Float(0.5f), Float(0.5f)}, Float(float(choice)));
             EXPECT_NEAR(first(s.wi.z), reflects ? 1 : -1, 1e-6);
@@ -94,14 +94,14 @@ TEST(ThinGlass, LetsLightStraightOnFromBothSides)
         const BsdfSample through = bsdf.sample(wo, {Float(0.5f), Float(0.5f)}, Float(0.99f));
         EXPECT_NEAR(first(dot(through.wi, wo)), -1, 1e-6);
     }
-    // White: nothing is lost, also of what facets scatter more than once.
+    // White: nothing is lost, including multiple scattering between microfacets.
     for (double degrees : {0.0, 30.0, 60.0, 85.0})
         for (float roughness : {0.1f, 0.5f, 0.8f, 1.0f})
             EXPECT_NEAR(draw(GlassBsdf(sheet(1, roughness)), outgoing(degrees), 200000).albedo, 1, 0.012)
                 << degrees << " " << roughness;
 }
 
-/// What glTF calls thin: one boundary, which reflects once, and no more than its facets do.
+/// Thin glass as in glTF has one boundary with one reflection and loses what its microfacets lose.
 TEST(ThinGlass, OfOneBoundary)
 {
     MaterialPoint m = sheet(0.5f, 0);
@@ -121,7 +121,7 @@ TEST(Glass, FresnelAtNormalIncidenceAndBeyondTheCriticalAngle)
     Float cos_t;
     EXPECT_NEAR(first(fresnel_dielectric(Float(1), Float(1.5f), cos_t)), 0.04, 1e-6);
     EXPECT_EQ(first(fresnel_dielectric(Float(0.5f), Float(1 / 1.5f), cos_t)), 1);
-    // Brewster's angle has no parallel part: half the perpendicular one.
+    // At Brewster's angle only perpendicular polarization is reflected, so the mean is half of it.
     const double brewster = std::atan(1.5), ct = std::cos(std::asin(std::sin(brewster) / 1.5));
     const double perpendicular = (std::cos(brewster) - 1.5 * ct) / (std::cos(brewster) + 1.5 * ct);
     EXPECT_NEAR(first(fresnel_dielectric(Float(float(std::cos(brewster))), Float(1.5f), cos_t)),

@@ -37,7 +37,7 @@ double f_at(const HairBsdf& bsdf, Direction wo, Direction wi)
     return first(bsdf.eval(lane_direction(wo), lane_direction(wi)).f_cos.c[0]);
 }
 
-/// Shares of R, TT, TRT and the rest, in double, by a geometric series of what comes back within.
+/// Fractions of R, TT, TRT and the rest in double precision, by a geometric series of internal reflections.
 std::vector<double> shares(const Fibre& x, double theta)
 {
     const double cos_theta = std::cos(theta), s = std::sin(theta);
@@ -54,7 +54,8 @@ std::vector<double> shares(const Fibre& x, double theta)
     return a;
 }
 
-/// The whole model once more, by the papers' formulae in double: angles, sums, Bessel's function by its series.
+/// The complete hair model from the papers' formulas in double precision, with sums and the series of Bessel's
+/// function.
 double formula(const Fibre& x, double theta_o, double phi_o, double theta_i, double phi_i)
 {
     const std::vector<double> a = shares(x, theta_o);
@@ -110,8 +111,7 @@ TEST(Hair, Sampling)
         }
 }
 
-/// What is scattered of light from everywhere is the sum of all ways through the fibre: all of it where nothing is
-/// absorbed.
+/// Albedo is the sum over all internal paths: 1 without absorption.
 TEST(Hair, Energy)
 {
     const auto integral = [](const HairBsdf& bsdf, Direction wo) {
@@ -138,7 +138,7 @@ TEST(Hair, Energy)
                     }
 }
 
-/// The same over the whole width, by sampling, for narrow lobes too.
+/// White furnace over the whole width by sampling, also for narrow lobes.
 TEST(Hair, WhiteFurnaceAcrossTheWidth)
 {
     for (double beta : {0.0, 0.02, 0.3, 1.0})
@@ -153,19 +153,19 @@ TEST(Hair, WhiteFurnaceAcrossTheWidth)
         }
 }
 
-/// A mirror at the cylinder's surface, and a way through the cylinder by Snell's law.
+/// A mirror reflection at the cylinder, and refraction through it by Snell's law.
 TEST(Hair, NarrowLobesGoWhereACylinderSendsLight)
 {
     for (double h : {-0.8, -0.3, 0.5}) {
         const Fibre x{.beta_m = 0.05, .beta_n = 0.05, .tilt = 0, .h = h};
         const double c = std::sqrt(1 - h * h);
-        // Reflected about the normal where y is h.
+        // Reflected about the normal at height y = h.
         const Direction reflected{0, 2 * c * h, 2 * c * c - 1};
-        // Into the cylinder, to its far side and out again, in the plane across.
+        // Refracted into the cylinder, to its far side and out again, in the cross-sectional plane.
         const double in = std::asin(h), within = std::asin(h / x.eta);
-        const double normal = pi_ / 2 - in;             // of the place, from y to z
-        const double exit = normal + pi_ + 2 * within;  // of the place where it gets out
-        const double through = exit - in;               // turned from the normal there as before
+        const double normal = pi_ / 2 - in;             // angle of the entry point, from y to z
+        const double exit = normal + pi_ + 2 * within;  // angle of the exit point
+        const double through = exit - in;               // leaves at the same angle to its normal as on entry
         const Direction passed{0, std::cos(through), std::sin(through)};
         const HairBsdf bsdf = x.bsdf();
         for (const Direction& d : {reflected, passed}) {
@@ -181,7 +181,7 @@ TEST(Hair, NarrowLobesGoWhereACylinderSendsLight)
     }
 }
 
-/// Scales turn reflections by twice their tilt, towards the root.
+/// Cuticle scales shift reflections towards the root by twice their tilt.
 TEST(Hair, ScalesAreTilted)
 {
     const HairBsdf bsdf = Fibre{.beta_m = 0.05, .beta_n = 0.3, .tilt = 5 * degree, .sigma = 50}.bsdf();

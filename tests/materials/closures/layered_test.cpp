@@ -98,7 +98,7 @@ TEST(Layered, SamplingAgreesWithItsDensity)
     }
 }
 
-/// The share of light that is given back, eta's scaling of radiance undone, and its standard error.
+/// Albedo with the eta^2 scaling of radiance undone, and its standard error.
 template <class Bsdf>
 std::pair<double, double> albedo_of(const Bsdf& bsdf, double degrees, int n = 12000)
 {
@@ -124,7 +124,7 @@ void expect_white(const LayeredMaterialPoint& m, const char* what)
     }
 }
 
-/// As expect_white, for boundaries that refract: what they leave to a diffuse body below them is an approximation.
+/// White furnace with a wider tolerance for refracting boundaries, whose light for the diffuse base is approximate.
 void expect_nearly_white(const LayeredMaterialPoint& m, const char* what)
 {
     for (const double degrees : {0.0, 50.0, 80.0}) {
@@ -133,7 +133,7 @@ void expect_nearly_white(const LayeredMaterialPoint& m, const char* what)
     }
 }
 
-/// White layers give back all light, whatever lies on what.
+/// White layers are lossless in any combination.
 TEST(Layered, WhiteFurnace)
 {
     for (const float roughness : {0.0f, 0.3f, 1.0f})
@@ -161,7 +161,7 @@ TEST(Layered, WhiteFurnace)
     expect_white<Opaque>(m, "more specular");
 }
 
-/// A path within a solid loses nothing at its rough boundary either, whatever share of the outside refracts.
+/// A path inside a solid loses nothing at its rough boundary, whatever transmission the outside has.
 TEST(Layered, WhiteFromWithin)
 {
     for (const float roughness : {0.1f, 0.5f, 1.0f})
@@ -169,7 +169,7 @@ TEST(Layered, WhiteFromWithin)
             expect_white<Passing>(with_transmission(layers(1, roughness), share, false, false), "from within");
 }
 
-/// Nothing gives back more than it gets.
+/// No combination of layers creates energy.
 TEST(Layered, NothingIsGained)
 {
     for (const double degrees : {0.0, 70.0, 85.0})
@@ -189,7 +189,7 @@ TEST(Layered, NothingIsGained)
             }
 }
 
-/// With nothing added, it is the simpler closure.
+/// Without additional layers, the closure equals principled.
 TEST(Layered, IsPrincipledWhereNothingIsAdded)
 {
     Random random(4);
@@ -201,7 +201,7 @@ TEST(Layered, IsPrincipledWhereNothingIsAdded)
             EXPECT_NEAR(first(Opaque(m).eval(wo, wi).f_cos.c[0]), expected, 2e-4f * expected + 1e-6f);
         }
 }
-/// Where all is refracted, it is glass.
+/// With full transmission, the closure equals glass.
 TEST(Layered, IsGlassWhereAllIsRefracted)
 {
     Random random(5);
@@ -216,7 +216,7 @@ TEST(Layered, IsGlassWhereAllIsRefracted)
         }
 }
 
-/// A direction's numbers, in double.
+/// Vector of doubles.
 struct V {
     double x, y, z;
 };
@@ -234,7 +234,7 @@ V v_of(Vec3 a)
     return {first(a.x), first(a.y), first(a.z)};
 }
 
-/// Anisotropic GGX, by the formulae of KHR_materials_anisotropy, where its tangent lies at an angle.
+/// Anisotropic GGX by the formulas of KHR_materials_anisotropy, with a rotated tangent.
 TEST(Layered, AnisotropyFollowsItsFormula)
 {
     const double roughness = 0.4, strength = 0.7, angle = 25 * std::numbers::pi / 180;
@@ -259,7 +259,7 @@ TEST(Layered, AnisotropyFollowsItsFormula)
     }
 }
 
-/// The sheen by the formulae of KHR_materials_sheen, and what it takes from the base.
+/// Sheen by the formulas of KHR_materials_sheen, and its scaling of the base.
 TEST(Layered, SheenFollowsItsFormula)
 {
     const double roughness = 0.45, alpha = roughness * roughness;
@@ -298,7 +298,7 @@ TEST(Sheen, AlbedoIsTheIntegralOfTheLobe)
         }
 }
 
-/// A coat's lobe lies about its own normal, and by its own roughness.
+/// The coat's lobe uses its own normal and roughness.
 TEST(Layered, CoatFollowsItsFormula)
 {
     LayeredMaterialPoint m = with_coat(layers(0, 0.3f, 0, 1), 0.8f, 0.4f);
@@ -321,7 +321,7 @@ TEST(Layered, CoatFollowsItsFormula)
         EXPECT_NEAR(first(Opaque(m).eval(wo, wi).f_cos.c[0]), expected, 2e-3 * expected + 1e-5) << i;
     }
 }
-/// A coat over a base of some colour darkens it: light goes up and down between them.
+/// A coat over a colored base darkens it through internal reflections.
 TEST(Layered, CoatDarkensByGeometricSeries)
 {
     LayeredMaterialPoint m = with_coat(layers(0.5f, 1, 0, 1), 1, 0);
@@ -336,7 +336,7 @@ TEST(Layered, CoatDarkensByGeometricSeries)
     EXPECT_NEAR(first(Opaque(m).eval(outgoing(20), outgoing(60)).f_cos.c[0]) / with, 0.25, 2e-2);
 }
 
-/// A coat of the index of what is outside is no boundary: it only takes its colour, at grazing angles too.
+/// A coat with the index of the outside has no boundary: it only applies its color, also at grazing angles.
 TEST(Layered, CoatWithoutABoundaryReflectsNothing)
 {
     const LayeredMaterialPoint bare = layers(0.5f, 0.3f, 1);
@@ -348,7 +348,7 @@ TEST(Layered, CoatWithoutABoundaryReflectsNothing)
         EXPECT_GT(without, 0);
         EXPECT_NEAR(first(Opaque(m).eval(wo, wi).f_cos.c[0]) / without, 0.25, 1e-5) << degrees;
     }
-    // Less and less on the way there.
+    // The coat's reflection vanishes monotonically with f0.
     double before = 1e9;
     for (const float f0 : {0.02f, 0.01f, 0.002f, 0.f}) {
         m.layers.coat_f0 = Float(f0), m.layers.coat_color = gray(0);
@@ -359,7 +359,7 @@ TEST(Layered, CoatWithoutABoundaryReflectsNothing)
     EXPECT_EQ(before, 0);
 }
 
-/// A solid takes its colour of light that went in and out: the root of it at each boundary. A sheet takes it at once.
+/// A solid applies the root of its transmission color at each boundary, a thin sheet the whole color at once.
 TEST(Layered, ColourOfWhatIsRefracted)
 {
     for (const bool thin : {false, true})
@@ -372,7 +372,7 @@ TEST(Layered, ColourOfWhatIsRefracted)
             EXPECT_NEAR(first(Passing(m).eval(wo, down).f_cos.c[0]) / white, thin ? 0.25 : 0.5, 1e-5);
         }
 }
-/// What passes diffusely may be a share of what is diffuse, or come beside what is reflected.
+/// Diffuse transmission may replace part of the diffuse reflection or be added to it.
 TEST(Layered, DiffuseTransmissionMayBeAdded)
 {
     LayeredMaterialPoint m = with_diffuse_transmission(layers(0.6f, 1), 0.25f);
@@ -388,7 +388,7 @@ TEST(Layered, DiffuseTransmissionMayBeAdded)
     check_sampling(Passing(m), 50, "added");
     EXPECT_NEAR(albedo_of(Passing(m), 50).first, 0.85, 0.01);
 }
-/// A thin surface has one boundary: what the mirror image gets, what is straight on does not.
+/// A thin surface has one boundary: only the reflected part is removed from straight transmission.
 TEST(Layered, ThinReflectsOnce)
 {
     LayeredMaterialPoint m = with_transmission(layers(1, 0.5f), 1, true);
@@ -400,7 +400,7 @@ TEST(Layered, ThinReflectsOnce)
     const double p = (1.5 * c - t) / (1.5 * c + t), s = (c - 1.5 * t) / (c + 1.5 * t), r = (p * p + s * s) / 2;
     EXPECT_NEAR(back / (back + beyond), r, 1e-3 * r);
 }
-/// Coat, sheen and film are on the outside of a solid, and change nothing within.
+/// Coat, sheen and thin film are outside a solid and have no effect inside it.
 TEST(Layered, OuterLayersAreOutside)
 {
     for (const bool entering : {true, false}) {
@@ -418,7 +418,7 @@ TEST(Layered, OuterLayersAreOutside)
     }
 }
 
-/// A metal's reflectance at 82 degrees is Schlick's times the edge's colour; at 0 it is its colour.
+/// Metal reflectance is its color at 0 degrees, and Schlick's value times the edge color at 82 degrees.
 TEST(Layered, EdgeColour)
 {
     LayeredMaterialPoint m = layers(0.4f, 0.05f, 1);
@@ -429,7 +429,7 @@ TEST(Layered, EdgeColour)
     EXPECT_NEAR(albedo_of(Opaque(m), 0, 40000).first, head_on, 1e-3);
 }
 
-/// Fresnel's equations in complex numbers.
+/// Fresnel's equations for a complex index of refraction.
 double fresnel_of(double degrees, std::complex<double> index)
 {
     const double c = std::cos(degrees * std::numbers::pi / 180), s2 = 1 - c * c;
@@ -437,7 +437,7 @@ double fresnel_of(double degrees, std::complex<double> index)
     return (std::norm((c - t) / (c + t)) + std::norm((square * c - t) / (square * c + t))) / 2;
 }
 
-/// Of a metal whose index of refraction is given, facets reflect what Fresnel's equations say; colours are not asked.
+/// With a complex index of refraction microfacets reflect by Fresnel's equations, and colors are ignored.
 TEST(Layered, ConductorsReflectByTheirIndex)
 {
     LayeredMaterialPoint white = layers(1, 0.3f, 1);
@@ -461,8 +461,8 @@ TEST(Layered, ConductorsReflectByTheirIndex)
     }
 }
 
-/// The eye's sensitivity at a wavelength: Wyman, Sloan and Shirley 2013, "Simple Analytic Approximations to the CIE XYZ
-/// Color Matching Functions".
+/// Color matching functions: Wyman, Sloan and Shirley 2013, "Simple Analytic Approximations to the CIE XYZ Color
+/// Matching Functions".
 std::array<double, 3> sensitivity(double nm)
 {
     const auto lobe = [&](double at, double left, double right) {
@@ -475,7 +475,7 @@ std::array<double, 3> sensitivity(double nm)
         1.217 * lobe(437.0, 0.0845, 0.0278) + 0.681 * lobe(459.0, 0.0385, 0.0725)};
 }
 
-/// Airy's sum at each wavelength, seen by the eye: what oscillates with the wavelength is coloured, the rest is grey.
+/// Airy's formula at each wavelength, converted to RGB: the oscillating part is colored, the rest is gray.
 std::array<double, 3> film_by_wavelengths(double cosine, double f0, double thickness, double ior)
 {
     const auto schlick = [](double r0, double c) { return r0 + (1 - r0) * std::pow(1 - c, 5); };
@@ -483,13 +483,14 @@ std::array<double, 3> film_by_wavelengths(double cosine, double f0, double thick
     const double r12 = schlick(std::pow((ior - 1) / (ior + 1), 2), cosine);
     const double s = std::sqrt(f0 + 1e-4), base = (1 + s) / (1 - s);
     const double r23 = schlick(std::pow((base - ior) / (base + ior), 2), cos_film);
-    // Seen from the film, the air is the thinner medium; the base may be the denser one.
+    // Air is optically thinner than the film, so that reflection has a phase shift of pi; so has the base's if it is
+    // thinner.
     const double phase12 = std::numbers::pi, phase23 = base < ior ? std::numbers::pi : 0;
     const double grey_part = r12 + (1 - r12) * (1 - r12) * r23 / (1 - r12 * r23);
     double xyz[3] = {}, sums[3] = {};
     for (int nm = 370; nm <= 790; ++nm) {
         using C = std::complex<double>;
-        // r12 seen from air is the opposite of that seen from the film.
+        // Reflection from air has the opposite sign of that from the film.
         const C from_film = std::polar(std::sqrt(r12), phase12), from_air = -from_film,
                 from_base = std::polar(std::sqrt(r23), phase23);
         const C turn = std::polar(1.0, 2 * std::numbers::pi * 2 * ior * thickness * cos_film / nm);
@@ -516,7 +517,7 @@ TEST(ThinFilm, IsAirysSumSeenByTheEye)
                 const Spectrum got = thin_film_reflectance(Float(float(cosine)), gray(float(f0)),
                                                            Float(float(thickness)), Float(float(ior)));
                 const auto expected = film_by_wavelengths(cosine, f0, thickness, ior);
-                // The Gaussians fit the eye to some percent.
+                // The Gaussian fits deviate from the color matching functions by some percent.
                 for (int c = 0; c < channels; ++c)
                     EXPECT_NEAR(first(got.c[c]), expected[std::size_t(c)], 0.03)
                         << thickness << " nm, cosine " << cosine << ", f0 " << f0 << ", ior " << ior << ", channel "
@@ -533,7 +534,7 @@ TEST(Layered, FilmOfNoThicknessIsNone)
     EXPECT_NEAR(first(Opaque(m).eval(outgoing(20), outgoing(60)).f_cos.c[0]), none, 1e-6f);
 }
 
-/// A white path follows one colour by chance, so that the mean stays, and each has its own index.
+/// With dispersion a path picks one channel at random, keeping the mean, and refracts by that channel's index.
 TEST(Dispersion, ChoosesAChannelByChance)
 {
     const int n = 30000;
@@ -552,9 +553,9 @@ TEST(Dispersion, ChoosesAChannelByChance)
             sums[c] += t;
             if (t == 0) continue;
             ++alive, ++counts[c];
-            // 0.025 * dispersion * (ior - 1) to either side.
+            // Offset of 0.025 * dispersion * (ior - 1) in either direction.
             EXPECT_NEAR(first(m.ior), 1.5 + (c - 1) * 0.025, 1e-6);
-            // Once it follows one, it stays there.
+            // A path that follows one channel keeps it.
             choose_channel(key, UInt(9u), m, throughput);
             EXPECT_EQ(first(throughput.c[c]), t);
         }

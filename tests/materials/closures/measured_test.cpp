@@ -12,7 +12,7 @@ namespace {
 
 constexpr double pi_ = std::numbers::pi;
 
-/// A surface of no kind: tables of different sizes, of numbers between 0.4 and 1 by chance, as wide as asked for around
+/// An artificial measured BRDF: random values from 0.4 to 1 in tables of different sizes, with the given width around
 /// the normal.
 MeasuredBrdf surface(std::vector<float> phis, unsigned seed, double width = 0.4)
 {
@@ -29,7 +29,7 @@ MeasuredBrdf surface(std::vector<float> phis, unsigned seed, double width = 0.4)
             t.values.push_back(float(uniform(engine) * shape(double(i % std::size_t(w)) / (w - 1))));
     };
     const auto even = [](double) { return 1.0; };
-    // As facets by solid angle: as many as a step over the square is wide.
+    // The distribution is peaked like that of microfacets, with a width of about a cell of the table.
     const auto facets = [&](double u) { return std::exp(-u * u * u * u / (width * width)); };
     fill(brdf.ndf, 9, 6, 1, facets);
     fill(brdf.sigma, 5, 7, 1, even);
@@ -43,10 +43,10 @@ const std::vector<float> all_phis = {-3.1415927f, -1.5f, 0.2f, 1.7f, 3.1415927f}
 const std::vector<float> half_of_phis = {-3.1415927f, -2.2f, -1, 0},
                          quarter_of_phis = {-3.1415927f, -2.2f, -1.5707964f};
 
-/// Keeps the values that the closure refers to.
+/// Owns the values that the closure refers to.
 struct Surface {
     MeasuredBrdf brdf;
-    LargeVector<float> values = {7, 7, 7};  // others stand before it
+    LargeVector<float> values = {7, 7, 7};  // values of other tables come first
     MeasuredMaterialPoint point;
 
     explicit Surface(MeasuredBrdf b) : brdf(std::move(b))
@@ -69,7 +69,7 @@ struct Surface {
     MeasuredBsdf bsdf() const { return MeasuredBsdf(point); }
 };
 
-/// The model once more in double, by sums and the definitions: no table of integrals, no search.
+/// The model in double precision from its definition, without tables of integrals or searches.
 class Formula {
 public:
     explicit Formula(const MeasuredBrdf& brdf) : b_(brdf) {}
@@ -99,7 +99,7 @@ public:
         const double u = std::sqrt(theta_m / (pi_ / 2));
         const double v = angle_from(m[0], m[1], b_.phi.size() > 2 ? 0 : phi_o) / (2 * pi_) + 0.5;
         const auto vndf = [&](double x, double y) { return density(b_.vndf, x, y); };
-        // What lies below v, and beside u in the row at v.
+        // The integral below v, and the integral left of u in the row at v.
         const double even_v = integral(0, v, b_.vndf.height, [&](double y) { return row(y); });
         const double even_u = integral(0, u, b_.vndf.width, [&](double x) { return vndf(x, v); }) / row(v);
         const double d_theta = pi_ * u, d_phi = 2 * pi_;
@@ -117,7 +117,7 @@ public:
     }
 
 private:
-    /// Tables around the angles, with their shares.
+    /// Indices and weights of the tables around the angles.
     void weigh(double theta, double phi) const
     {
         const auto around = [](const std::vector<float>& angles, double x) {
@@ -147,7 +147,7 @@ private:
             }
         return sum;
     }
-    /// Simpson's rule in each of the cells, in which f is linear.
+    /// Simpson's rule in each table cell, where f is linear.
     static double integral(double from, double to, int size, const std::function<double(double)>& f)
     {
         double sum = 0;
@@ -219,7 +219,7 @@ TEST(Measured, SamplesByItsDensity)
         check_sampling(Surface(surface(phis, 3, 0.6)).bsdf(), degrees, "measured");
 }
 
-/// What is reflected is found by directions that are sampled: their density is nowhere 0 where there is something.
+/// The pdf is positive wherever f is.
 TEST(Measured, SamplesAllThatIsReflected)
 {
     for (const auto& phis : {std::vector<float>{0}, half_of_phis}) {
@@ -233,7 +233,7 @@ TEST(Measured, SamplesAllThatIsReflected)
     }
 }
 
-/// The surface is turned with its tangent; behind it y is as seen from in front.
+/// The BRDF rotates with the tangent; y is not mirrored on the back side.
 TEST(Measured, LiesAlongTheTangent)
 {
     const MeasuredBrdf brdf = surface(all_phis, 9, 2);
@@ -246,7 +246,7 @@ TEST(Measured, LiesAlongTheTangent)
         turned.point.measured.facing = Float(float(0.3 * side));
         for (int i = 0; i < 50; ++i) {
             const Direction wo = direction(engine), wi = direction(engine);
-            // A direction of the surface in the shading frame.
+            // Surface direction in the shading frame.
             const auto in_frame = [&](Direction d) {
                 const double y = d.y * side;
                 return lane_direction(
@@ -264,12 +264,12 @@ TEST(Measured, LiesAlongTheTangent)
     }
 }
 
-/// Nothing is reflected below the surface, and no number is beyond what floats hold, whatever the tables say.
+/// Nothing is reflected below the surface, and all values are finite for any table.
 TEST(Measured, StaysFinite)
 {
     MeasuredBrdf brdf = surface({0}, 2);
     for (MeasuredTable* t : {&brdf.vndf, &brdf.luminance, &brdf.sigma}) t->values.assign(t->values.size(), 0);
-    for (float& x : brdf.color.values) x -= 0.7f;  // colours that no screen shows
+    for (float& x : brdf.color.values) x -= 0.7f;  // colors outside the RGB gamut
     const Surface s(brdf);
     std::mt19937 engine(4);
     for (int i = 0; i < 200; ++i) {

@@ -10,7 +10,7 @@ TEST(Metal, SamplingAndFurnace)
     for (double degrees : {0.0, 45.0, 80.0})
         for (float roughness : {0.3f, 0.6f, 1.0f})
             check_sampling(MetalBsdf(material(0.9f, roughness)), degrees, "metal");
-    // A white metal reflects all light, also what facets scatter more than once.
+    // A white metal is lossless, including multiple scattering between microfacets.
     for (double degrees : {0.0, 30.0, 60.0, 85.0})
         for (float roughness : {0.0f, 0.1f, 0.3f, 0.5f, 0.8f, 1.0f})
             EXPECT_NEAR(draw(MetalBsdf(material(1, roughness)), outgoing(degrees), 200000).albedo, 1, 0.012)

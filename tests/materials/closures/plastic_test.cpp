@@ -26,7 +26,7 @@ TEST(Plastic, Sampling)
             check_sampling(PlasticBsdf(plastic(0.6f, 0.5f, 1.5f, compensated)), degrees, "plastic");
 }
 
-/// Nothing is lost over a white body, and nothing is made.
+/// A white base is lossless, and no energy is created.
 TEST(Plastic, WhiteFurnace)
 {
     for (double degrees : {0.0, 45.0, 75.0})
@@ -36,7 +36,7 @@ TEST(Plastic, WhiteFurnace)
                     << degrees << " " << roughness << " " << ior;
 }
 
-/// A tint takes from what the boundary reflects, and from nothing else.
+/// A tint scales only the boundary's reflection.
 TEST(Plastic, TintOfTheBoundary)
 {
     MaterialPoint black = plastic(0, 0.4f), white = plastic(1, 0.4f), tinted = white;
@@ -47,7 +47,7 @@ TEST(Plastic, TintOfTheBoundary)
     EXPECT_GT(value(black), 0.01);
 }
 
-/// Swapped directions give the same.
+/// f is equal for swapped directions.
 TEST(Plastic, IsReciprocal)
 {
     for (float roughness : {0.3f, 0.8f})
@@ -60,7 +60,7 @@ TEST(Plastic, IsReciprocal)
         }
 }
 
-/// Fresnel's reflectance of index 1.5.
+/// Fresnel reflectance of a dielectric.
 double fresnel(double cosine, double ior)
 {
     const double t = std::sqrt(1 - (1 - cosine * cosine) / (ior * ior));
@@ -68,7 +68,7 @@ double fresnel(double cosine, double ior)
     return (p * p + s * s) / 2;
 }
 
-/// Of a smooth boundary all is known: F + (1 - F) color (1 - inner) / (1 - color inner), where inner follows from the
+/// Closed form for a smooth boundary: F + (1 - F) color (1 - inner) / (1 - color inner), where inner follows from the
 /// mean of F by reciprocity.
 TEST(Plastic, SmoothIsTheClosedForm)
 {
@@ -92,7 +92,7 @@ TEST(Plastic, SmoothIsTheClosedForm)
     }
 }
 
-/// A layer that absorbs: on the way in, on the way out, and there and back below the boundary.
+/// An absorbing layer attenuates light on the way in, on the way out, and between base and boundary.
 TEST(Plastic, LayersAbsorb)
 {
     constexpr double ior = 1.5, thickness = 0.2, color = 0.8;
@@ -115,8 +115,8 @@ TEST(Plastic, LayersAbsorb)
     check_sampling(PlasticBsdf(m), 40, "a layer that absorbs");
 }
 
-/// Of light that comes in: what a walk between facets and body brings out, by the same facets' sampling and Fresnel's
-/// equations, where what goes to the wrong side of a facet is lost, as in pbrt's layers.
+/// Random walk between microfacets and base with sampled normals and Fresnel's equations; samples on a facet's wrong
+/// side are lost, as in pbrt's layered BxDFs.
 double walked(double alpha, double color, double ior, double degrees)
 {
     std::mt19937_64 engine(3);
@@ -125,7 +125,7 @@ double walked(double alpha, double color, double ior, double degrees)
         double x, y, z;
     };
     const auto lambda = [&](double z) { return (std::sqrt(1 + alpha * alpha * (1 - z * z) / (z * z)) - 1) / 2; };
-    // Heitz 2018: visible normals of an ellipsoid.
+    // Visible normals of an ellipsoid, Heitz 2018.
     const auto normal = [&](const V& w) {
         const double x = alpha * w.x, y = alpha * w.y, l = std::sqrt(x * x + y * y + w.z * w.z);
         const V h{x / l, y / l, w.z / l};
@@ -145,7 +145,7 @@ double walked(double alpha, double color, double ior, double degrees)
     double sum = 0;
     for (int i = 0; i < paths; ++i) {
         const double t = degrees * std::numbers::pi / 180;
-        V w{std::sin(t), 0, std::cos(t)};  // towards the facets, which lie at z = 0 whichever side it comes from
+        V w{std::sin(t), 0, std::cos(t)};  // towards the boundary at z = 0 from either side
         double left = 1, eta = ior;
         bool inside = false;
         for (int step = 0; step < 200 && left > 0; ++step) {
@@ -156,7 +156,7 @@ double walked(double alpha, double color, double ior, double degrees)
             const double beyond = std::sqrt(std::max(0.0, 1 - s2)), k = c / eta - beyond;
             const double z = reflected ? 2 * c * n.z - w.z : -(k * n.z - w.z / eta);
             left = z > 1e-9 ? left * (1 + lambda(w.z)) / (1 + lambda(w.z) + lambda(z)) : 0;
-            if (reflected != inside) {  // it is outside now
+            if (reflected != inside) {  // the walk is outside now
                 sum += left;
                 break;
             }

@@ -19,7 +19,7 @@ TEST(Principled, SamplingAndEnergy)
         }
 }
 
-/// The share of light that is reflected, and its standard error.
+/// Albedo from samples, and its standard error.
 template <class Bsdf>
 std::pair<double, double> mean_weight(const Bsdf& bsdf, Vec3 wo, int n)
 {
@@ -35,7 +35,7 @@ std::pair<double, double> mean_weight(const Bsdf& bsdf, Vec3 wo, int n)
     return {mean, std::sqrt(std::max(0.0, squares / count - mean * mean) / count)};
 }
 
-/// A white surface reflects all light, whatever it is mixed of.
+/// White mixtures of any weights are lossless.
 TEST(Principled, WhiteFurnaceOfEveryMixture)
 {
     for (double degrees : {0.0, 30.0, 60.0, 80.0})

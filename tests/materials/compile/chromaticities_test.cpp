@@ -7,13 +7,13 @@
 #include "fathom/image.h"
 #include "fathom/render.h"
 
-// Pictures that say which primaries they have are those of Rec.709 where they are colours.
+// Color images with declared primaries are converted to Rec.709; data images are not.
 namespace fathom {
 namespace {
 
 constexpr float color[3] = {0.8f, 0.05f, 1.5f};
 
-/// One pixel of that colour, written in these primaries.
+/// A single pixel written with these primaries.
 ImageFile picture(Primaries primaries)
 {
     const std::filesystem::path file =
@@ -51,7 +51,7 @@ TEST(Chromaticities, ColoursAreConvertedNumbersAreNot)
     const SceneTables& tables = *scene.data().tables;
     ASSERT_EQ(tables.environment.texels.size(), 4u);
     ASSERT_EQ(tables.texels.size(), 8u);
-    // Row by row by the matrix of the configurations of ACES.
+    // Rows of the ACES configurations' matrix.
     constexpr double acescg[3][3] = {
         {0.6130974, 0.3395231, 0.0473795}, {0.0701937, 0.9163539, 0.0134524}, {0.0206156, 0.1095698, 0.8698146}};
     for (std::size_t i = 0; i < 3; ++i) {

@@ -7,13 +7,13 @@
 #include "compile/compiled_scenes.h"
 #include "scene/material_table.h"
 
-// A texture of one value is that value: for every parameter of every kind of material that may have a texture.
+// For every textured parameter of every kind of material, a constant texture equals the plain value.
 namespace fathom {
 namespace {
 
 constexpr float texture_value = 0.5f;
 
-/// A ball before a gradient, of a material with something of every layer.
+/// A sphere in a gradient environment, with every layer enabled.
 SceneDescription ball_of(MaterialKind kind)
 {
     SceneDescription d = empty_scene();
@@ -67,7 +67,7 @@ double difference_of_means(const std::vector<float>& a, const std::vector<float>
     return std::abs(sum) / all;
 }
 
-/// Sets an input to a value, by itself or as twice that times the texture.
+/// Sets an input to a value, either directly or as 2 * value times the texture.
 void set(ColorInput& input, float value, bool textured)
 {
     const float v = textured ? value / texture_value : value;
@@ -82,7 +82,8 @@ void set(FloatInput& input, float value, bool textured)
 
 TEST(TexturedParameters, AnEvenTextureIsItsValue)
 {
-    // Slopes of heights; light, which is sampled otherwise where it has a texture; what is inside decides by chance.
+    // A constant bump has no slope; textured emission is sampled differently; parameters of the interior choose at
+    // random, so only means agree.
     const std::set<std::string> not_compared = {"bump", "emission", "factor"};
     const std::set<std::string> by_mean = {"subsurface", "subsurface_color", "subsurface_radius",
                                            "subsurface_radius_scale"};
