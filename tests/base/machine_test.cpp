@@ -16,7 +16,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Root of a fake file system with the files of /proc and /sys that machine limits are read from.
+/// Fixture with a fake root folder that holds the files of /proc and /sys with the machine's limits.
 class Machine : public ::testing::Test {
 protected:
     void SetUp() override

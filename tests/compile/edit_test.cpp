@@ -386,7 +386,7 @@ TEST_F(Editing, PosesAreExact)
     expect_exact(pose, false);
     pose.nodes.emplace_back(0, Transform::translate({0.5, 0, 0}));
     expect_exact(pose, true);
-    // Texture coordinates are edited too.
+    // A pose may also change texture coordinates.
     pose.meshes[0].uvs[0] = {{0, 0}, {1, 0}, {0, 1}, {0.5f, 2}};
     expect_exact(pose, true);
     pose.meshes[0].uvs[0].clear();

@@ -65,7 +65,7 @@ TEST(FilmImage, MeansOfWhatWasSummed)
     ASSERT_EQ(film.samples_per_pixel(), 8u);
     const std::size_t p = 2;
     for (int c = 0; c < 3; ++c) {
-        add_radiance(film, p, c, 8.0 * (c + 1), 8.0 * ((c + 1) * (c + 1) + 7));  // variance 7
+        add_radiance(film, p, c, 8.0 * (c + 1), 8.0 * ((c + 1) * (c + 1) + 7));  // values with variance 7
         add_other(film, p, layout.albedo + c, 2 + c);
         add_other(film, p, layout.normal + c, -4 - c);
         add_other(film, p, layout.position + c, 10 + c);

@@ -265,7 +265,7 @@ std::string animated_seed()
 
 std::vector<std::string> gltf_seeds()
 {
-    // Three vertices, three indices.
+    // The buffer holds three vertices and three indices.
     const std::string uri =
         "data:application/octet-stream;base64,"
         "AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAAAAABAAIA";

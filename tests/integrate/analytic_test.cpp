@@ -200,7 +200,8 @@ TEST(Lights, TextureOfALamp)
             const int lamp = b.diffuse(0, {3, 3, 3}, true);
             b.scene.materials[std::size_t(lamp)].emission.texture = 0;
             b.add(Rectangle{{0, h, 0}, {2 * a, 0, 0}, {0, 0, c}}, lamp);
-            if (!is_alone) b.add(Rectangle{{0, -1, 0}, {a, 0, 0}, {0, 0, c}}, lamp);  // below the floor
+            if (!is_alone)
+                b.add(Rectangle{{0, -1, 0}, {a, 0, 0}, {0, 0, c}}, lamp);  // an additional light below the floor
             b.scene.cameras[0].position = {-0.5, 0.5, -0.5};
             RenderSettings settings = small_picture(16, 16);
             settings.light_sampling = light_sampling;
@@ -447,7 +448,7 @@ TEST(Lights, ManyOfThemAddUp)
     double expected = 0;
     for (int i = 0; i < 20; ++i) {
         const double x = 0.4 * i - 4, e = 1 + i % 3;
-        // Small enough not to occlude each other.
+        // The spheres are too small to occlude each other.
         b.add(Sphere{{x, 3, 1}, 0.05 + 0.002 * i, {}}, b.diffuse(0, {float(e), float(e), float(e)}));
         const double d2 = x * x + 10, r = 0.05 + 0.002 * i;
         expected += 0.5 * e * r * r / d2 * 3 / std::sqrt(d2);

@@ -93,8 +93,8 @@ TEST(CameraForms, PlaceDirectionAndRoll)
             s.camera({4, 1, 2}, {4, 1, -3}, 40);
             // `up` need not be perpendicular to the view direction.
             s.scene.cameras[0].up = {-2 * std::sin(roll), 2 * std::cos(roll), 1};
-            s.add(Sphere{{5, 1, -3}, 0.1, {}}, s.white({1, 0, 0}));  // to the right
-            s.add(Sphere{{4, 2, -3}, 0.1, {}}, s.white({0, 1, 0}));  // above
+            s.add(Sphere{{5, 1, -3}, 0.1, {}}, s.white({1, 0, 0}));  // this light is to the right
+            s.add(Sphere{{4, 2, -3}, 0.1, {}}, s.white({0, 1, 0}));  // this light is above
             s.add(Sphere{{4, 1, -3}, 0.1, {}}, s.white({0, 0, 1}));  // ahead
             // The whole scene moved and doubled in size gives the same image.
             if (nested)
@@ -365,8 +365,8 @@ TEST(CameraForms, AllDirections)
         b.scene.environment.kind = EnvironmentKind::gradient;
         b.scene.environment.bottom = {0, 0, 0}, b.scene.environment.top = {1, 1, 1};
         b.add(Sphere{{5, 0, -10}, 0.5, {}}, b.diffuse(0, {7, 0, 0}));  // ahead
-        b.add(Sphere{{15, 0, 0}, 0.5, {}}, b.diffuse(0, {0, 7, 0}));   // on the right
-        b.add(Sphere{{5, 0, 10}, 0.5, {}}, b.diffuse(0, {0, 0, 7}));   // behind
+        b.add(Sphere{{15, 0, 0}, 0.5, {}}, b.diffuse(0, {0, 7, 0}));   // this light is on the right
+        b.add(Sphere{{5, 0, 10}, 0.5, {}}, b.diffuse(0, {0, 0, 7}));   // this light is behind
         const int w = 80, h = equal_area ? 80 : 40;
         const Film film = render_film(b.scene, small_picture(w, h), 16);
         const Image image = film.image(false, false);

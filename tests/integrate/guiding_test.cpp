@@ -82,7 +82,7 @@ RenderCosts costs_of(const SceneDescription& description, const RenderSettings& 
     return costs;
 }
 
-/// Fraction of path vertices with NEE.
+/// Fraction of path vertices at which NEE samples a light.
 double light_share(const SceneDescription& description, const RenderSettings& settings)
 {
     const RenderCosts costs = costs_of(description, settings, 64);

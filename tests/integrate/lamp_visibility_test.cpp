@@ -40,7 +40,7 @@ TEST(LampVisibility, CamerasLookThroughHiddenLamps)
     expect_mean(render_film(LitFloor(light).scene, small_picture(4, 4), 64), 0);
     light.hidden_from_camera = true;
     expect_mean(render_film(LitFloor(light).scene, small_picture(4, 4), 1024), 0.5 * 3 * radiosity());
-    // Also from its front.
+    // A hidden light is also invisible from its front.
     LitFloor turned(light);
     turned.scene.nodes[0].shapes[1].geometry = Rectangle{{-1, -1, 1}, {2, 0, 0}, {0, 2, 0}};
     expect_mean(render_film(turned.scene, small_picture(4, 4), 64), 0);
@@ -52,7 +52,7 @@ TEST(LampVisibility, NoRayMeetsInvisibleLights)
     light.invisible_light = true;
     const double expected = 0.5 * 3 * radiosity();
     expect_mean(render_film(LitFloor(light).scene, small_picture(4, 4), 1024), expected);
-    // Alpha has no effect.
+    // Alpha does not change an invisible light.
     light.alpha_mode = AlphaMode::blend;
     for (const float alpha : {0.f, 0.5f}) {
         light.alpha.value = alpha;

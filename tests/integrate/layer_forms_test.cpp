@@ -133,7 +133,7 @@ TEST(LayerForms, DisneysNumbersHaveTextures)
                             {"roughness", &Material::roughness},
                             {"transmission", &Material::transmission}};
     const Number sheet[] = {{"diffuse_transmission", &Material::diffuse_transmission}};
-    // Directions at which sheen is visible.
+    // Sheen is visible at these grazing directions.
     const Shown shown{normalize(Vec3d{1.5, -0.3, 0.5}), normalize(Vec3d{-1.2, 0.6, 0.4})};
     expect_textured_numbers(shown, [](Material& m) { furnish_disney(m, false); }, solid);
     expect_textured_numbers(shown, [](Material& m) { furnish_disney(m, true); }, sheet);
@@ -283,7 +283,7 @@ TEST(LayerForms, TangentsTurnWithTheShape)
             m.kind = kind;
             m.metallic.value = 1, m.anisotropy.value = 0.9f;
             const int material = b.material(m);
-            // Above the existing shape.
+            // The shape lies above the existing one, which it hides.
             const Vec3d along = turned.vector({1, 0, 0}), across = turned.vector({0, 1, 0}), up{0, 0, 0.01};
             if (shape == 0) b.add(Rectangle{up - along - across, along * 2, across * 2}, material);
             Node node;

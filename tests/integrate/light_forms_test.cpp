@@ -122,10 +122,10 @@ TEST(LightForms, RectanglesAndParallelograms)
     struct Lamp {
         Vec3d corner, u, v;
     };
-    for (const Lamp& lamp : {Lamp{{-0.5, 1.2, -0.5}, {1, 0, 0}, {0, 0, 1.5}},     // parallel to the floor
-                             {{1.2, 0.1, -0.5}, {0, 0.9, 0}, {0, 0, 1.5}},        // upright
-                             {{-0.4, 0.8, 0.5}, {0.9, 0.4, 0}, {-0.2, 0.45, 1}},  // slanted
-                             {{-0.5, 1.2, -0.5}, {1, 0, 0.4}, {0.3, 0.2, 1.5}}})  // not a right angle
+    for (const Lamp& lamp : {Lamp{{-0.5, 1.2, -0.5}, {1, 0, 0}, {0, 0, 1.5}},     // a light parallel to the floor
+                             {{1.2, 0.1, -0.5}, {0, 0.9, 0}, {0, 0, 1.5}},        // an upright light
+                             {{-0.4, 0.8, 0.5}, {0.9, 0.4, 0}, {-0.2, 0.45, 1}},  // a slanted light
+                             {{-0.5, 1.2, -0.5}, {1, 0, 0.4}, {0.3, 0.2, 1.5}}})  // edges that are not perpendicular
         for (const Vec3d& p : floor_points)
             for (const bool light_sampling : {true, false}) {
                 if (!light_sampling && p.x != 0) continue;

@@ -196,7 +196,7 @@ TEST(LightPictures, FluxIsSharedAmongAllDirections)
         c.expect(0, 0), c.expect(3, 0.1);
         c.image = profile_of("1 1 1 3 1 1 1 0 0 0 1 1 1  0 45 180  0  7 7 7");
         c.expect(0, 0), c.expect(3, 0.1);
-        // Half of the sphere.
+        // This profile covers half of the sphere.
         c.image = profile_of("1 1 1 3 1 1 1 0 0 0 1 1 1  0 45 90  0  7 7 7");
         c.intensity = [&](const Vec3d& d, int) { return d.z < 0 ? 5 / (2 * std::numbers::pi) : 0; };
         c.expect(0, 0), c.expect(0.5, 0.1);
@@ -410,7 +410,7 @@ TEST(LightPictures, Edits)
     change("spot", true, [](Light& l) { l.kind = LightKind::spot; });
 }
 
-/// One warning that names the file.
+/// An unreadable image gives one warning that names the file.
 TEST(LightPictures, WhatCannotBeShown)
 {
     const auto error_of = [](const Light& light, const ImageFile& image) {

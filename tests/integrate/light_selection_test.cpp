@@ -93,7 +93,7 @@ SceneDescription random_lights(unsigned seed)
     glossy.roughness.value = 0.4f;
     b.add(Rectangle{{-3, 0, 3}, {6, 0, 0}, {0, 0, -6}}, b.material(glossy));
     b.add(Rectangle{{-3, 0, -3}, {6, 0, 0}, {0, 4, 0}}, b.diffuse(0.6f));
-    // Hit by NEE and BSDF samples: its highlight on the floor is wrong if their probabilities disagree.
+    // NEE and BSDF samples both find this panel; its highlight on the floor is wrong if their probabilities disagree.
     b.add(Rectangle{{-1, 0.1, -1.5}, {2, 0, 0}, {0, 0.8, 0}}, b.diffuse(0, {3, 3, 3}));
     for (const bool two_sided : {false, true}) {
         b.scene.meshes.push_back(random_triangles(chance, int(seed) * 2));
@@ -163,7 +163,7 @@ TEST(LightSelections, FollowAnEdit)
     Warnings warnings;
     SceneEdit edit(scene);
     edit.compile(warnings);
-    const int lamps = scene.roots.back() - 5;  // an instance before four lights and the sun
+    const int lamps = scene.roots.back() - 5;  // the moving instance precedes four lights and the sun
     const Transform moved = Transform::translate({-0.5, 0.4, 0.7});
     edit.set_transform(lamps, moved);
     scene.nodes[std::size_t(lamps)].parent_from_node = moved;

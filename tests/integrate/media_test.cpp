@@ -164,7 +164,7 @@ TEST(Media, ScatteringCountsAsBounces)
     }
 }
 
-/// Light of lamps is absorbed along its path through the medium, and so is the view of a camera inside it.
+/// Light is absorbed along its path through the medium, and so is the view of a camera inside it.
 TEST(Media, ShadowRaysAndCamerasInsideColouredGlass)
 {
     for (const bool in_tree : {false, true}) {

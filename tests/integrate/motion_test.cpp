@@ -181,7 +181,7 @@ Curves rod(CurveBasis basis, bool ribbons)
         for (int i = 0; i < n; ++i) k.points.push_back({x, -2 + (top + 2) * float(i) / float(n - 1), 0});
         return k;
     };
-    // The rest position is elsewhere.
+    // The rest position differs from all keys, so using it would be detected.
     curves.points = key(0, 3, 3, 1).points, curves.radii = key(0, 3, 3, 1).radii;
     curves.counts = {std::uint32_t(n)};
     curves.motion = {key(0, -2, 2, 0.2f), key(0.5, -1, 0, 0.6f), key(2, 2, 0, 0.6f)};

@@ -36,7 +36,7 @@ Cells rectangle_cells(const Rectangle& r)
     return cells;
 }
 
-/// The disk faces down.
+/// Cells of a disk that faces down.
 Cells disk_cells(Vec3d center, double radius)
 {
     constexpr int n = 24;
@@ -299,7 +299,7 @@ double rising(double right, double up, double along)
     return (150 * x + 100 * y) / 255;
 }
 
-/// Lights attached to a moving node.
+/// Point, spot, projector and beam lights follow their moving node.
 TEST(MovingLights, PointsSpotsProjectorsAndBeams)
 {
     for (const Way& way : ways)

@@ -98,7 +98,7 @@ SceneDescription random_room(unsigned seed, bool others)
     return b.scene;
 }
 
-/// others: see random_room
+/// Renders random rooms with both loops and compares them. others: see random_room.
 void compare_loops(bool others)
 {
     for (unsigned seed = 1; seed <= 10; ++seed) {

@@ -80,7 +80,7 @@ TEST(SingleSided, ManyBacksInARow)
         for (int i = 0; i < 5; ++i) scene.add_square(1 - 0.1 * i, false, unlit(red, true));
         scene.add_square(0, true, unlit(blue, true));
         EXPECT_EQ(scene.color(), blue) << n;
-        // Nothing behind: the background is visible.
+        // Without a surface behind the backs, the background is visible.
         Layers open(n);
         open.add_square(0, false, unlit(red, true));
         EXPECT_EQ(open.color(), (Color{0, 0, 0})) << n;
@@ -101,7 +101,7 @@ TEST(SingleSided, LayersAreThoseOfWhatIsSeen)
         EXPECT_NEAR(image.find("normal")->pixels[2], 1, 1e-5) << n;
     }
 }
-/// Light is blocked from both sides.
+/// Single-sided surfaces block light from both sides.
 TEST(SingleSided, LightDoesNotPass)
 {
     for (const std::uint32_t n : {1u, 20u})

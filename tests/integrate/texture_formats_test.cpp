@@ -41,7 +41,7 @@ Image noise(bool alpha, float most)
     std::mt19937 random(7);
     std::uniform_real_distribution<float> uniform(0, 1);
     for (int i = 0; i < side * side; ++i) {
-        // Premultiplied; down to the smallest halves.
+        // Values are premultiplied and go down to the smallest halves.
         const float a = alpha ? uniform(random) : 1;
         for (int c = 0; c < 3; ++c)
             image.layers[0].pixels.push_back(a * most * (i % 7 == 0 ? uniform(random) * 1e-7f : uniform(random)));

@@ -221,7 +221,7 @@ TEST_F(TextureForms, ColoursMultiply)
     }
 }
 
-/// Vertex colors, interpolated by barycentric coordinates.
+/// Vertex colors are interpolated by barycentric coordinates.
 TEST(VertexForms, ColoursAreMixedByPlace)
 {
     for (const bool tree : {false, true}) {
@@ -438,7 +438,7 @@ TEST(AlphaForms, ShadowsAndCutoff)
             veil.alpha_mode = mode;
             veil.alpha_cutoff = 0.8f;
             v.add(Rectangle{{-1, -1, 0}, {2, 0, 0}, {0, 2, 0}}, v.material(floor));
-            // In front of the sun, but not of the camera.
+            // The veil is behind the camera, between the sun and the scene.
             v.add(Rectangle{{-4, -4, 8}, {8, 0, 0}, {0, 8, 0}}, v.material(veil));
             v.light(sun, {});
             const double stopped = mode == AlphaMode::blend  ? double(alpha)
@@ -470,7 +470,7 @@ TEST_F(TextureForms, AlphaLiesWhereThePictureDoes)
                 cut.alpha = {1, v.texture(t), 0};
                 cut.alpha_mode = AlphaMode::mask;
                 floor.base_color.value = {1, 1, 1};
-                // In front of the sun, but not of the camera, which is below it.
+                // For shadows the surface is behind the camera, between the sun and the scene.
                 const double z = shadow ? 8 : 0;
                 const int material = v.material(cut);
                 if (!mesh_of_two) v.add(Rectangle{{-1, -1, z}, {2, 0, 0}, {0, 2, 0}}, material);

@@ -22,17 +22,17 @@ TEST(Unlit, IsSeenAndLightsNothing)
                 mirror.base_color.value = {1, 1, 1};
                 glass.kind = MaterialKind::glass;
                 glass.ior = 1;
-                b.add(Rectangle{{-2, 0, 2}, {0, 3, 0}, {4, 0, 0}}, b.material(mirror));  // across the room
+                b.add(Rectangle{{-2, 0, 2}, {0, 3, 0}, {4, 0, 0}}, b.material(mirror));  // a mirror across the room
                 b.add(Sphere{{0, 1, 0}, 0.2, {}}, b.material(glass));
             }
             b.camera(from, at, 1);
             return mean_of(render_film(b.scene, small_picture(8, 8), 64)).value[0];
         };
         EXPECT_NEAR(scene({0, 1, 1}, {0.5, 1, -1}), 0.75, 1e-5);
-        EXPECT_EQ(scene({0, 1, 1}, {0, 0, -0.5}), 0);  // the floor
+        EXPECT_EQ(scene({0, 1, 1}, {0, 0, -0.5}), 0);  // the floor is not illuminated
         if (quads) continue;
-        EXPECT_NEAR(scene({0.3, 1, 1}, {0, 1, 2}), 0.75, 1e-5);  // in the mirror
-        EXPECT_NEAR(scene({0, 1, 1}, {0, 1, 0}), 0.75, 1e-5);    // through the glass
+        EXPECT_NEAR(scene({0.3, 1, 1}, {0, 1, 2}), 0.75, 1e-5);  // the panel seen in the mirror
+        EXPECT_NEAR(scene({0, 1, 1}, {0, 1, 0}), 0.75, 1e-5);    // the panel seen through the glass
     }
 }
 

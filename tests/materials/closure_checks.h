@@ -33,7 +33,7 @@ inline Vec3 outgoing(double degrees)
 
 struct Drawn {
     std::vector<Direction> directions;
-    double albedo = 0;          ///< mean weight
+    double albedo = 0;          ///< mean weight of the samples
     double worst_mismatch = 0;  ///< largest relative difference of weight * pdf and f_cos
 };
 

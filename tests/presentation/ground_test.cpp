@@ -166,7 +166,7 @@ TEST_F(GroundTest, IsOnlyAddedWhereItFits)
     d = model;
     d.hints.own_light = true;
     EXPECT_FALSE(lit(Ground()).ground);
-    // A lamp outside the view would illuminate the ground.
+    // A light outside the view would illuminate the ground.
     d = model;
     add_lamp({0, 1, -1.5});
     EXPECT_TRUE(lit(Ground()).studio);

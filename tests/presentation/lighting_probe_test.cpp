@@ -147,7 +147,7 @@ TEST_F(FirstLooks, LightThatReachesLittleGetsAStudioBesideIt)
     AutoLitScene scene = lit();
     EXPECT_TRUE(scene.studio);
     EXPECT_FALSE(scene.exposure_ev.has_value());
-    EXPECT_GT(scene.scene.statistics().lights, 1u);  // the sky and the small lamp
+    EXPECT_GT(scene.scene.statistics().lights, 1u);  // the sky and the small emissive surface
 
     d = dark;
     add_sun(5, Transform::rotate({0, 1, 0}, std::acos(-1.0)));

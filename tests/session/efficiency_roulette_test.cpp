@@ -23,7 +23,7 @@ GuidingRecord surface(float x, float light)
     return r;
 }
 
-/// Paths with the surfaces of each.
+/// Guiding records of paths, given the surfaces of each path.
 GuidingRecords part_of(const std::vector<std::vector<GuidingRecord>>& paths)
 {
     GuidingRecords part;
@@ -166,7 +166,7 @@ TEST(PathNeeds, GoByWhatPathsBringForWhatTheyTake)
     // Squared contribution over squared brightness: 4 / 4 + 36 / 9 = 5 for 2.5 + 0.5 vertices; a whole path costs 3.5 +
     // 0.5.
     EXPECT_FLOAT_EQ(t.survival_factors[0], float(0.7 * std::sqrt(5 / 3.0 * 4 / 8)));
-    // 1 / 0.25 for 1 + 0.5 vertices.
+    // The third path adds 1 / 0.25 for a cost of 1 + 0.5 vertices.
     EXPECT_FLOAT_EQ(t.survival_factors[2], float(0.7 * std::sqrt(4 / 1.5 * 4 / 8)));
     // The fourth cell, in a block with the third, has no records, so paths always survive there.
     EXPECT_GE(t.survival_factors[3], 1e10f);

@@ -47,7 +47,7 @@ TEST(GuidingTables, RegionsShareWithTheirBlock)
     EXPECT_NEAR(share_of(*t, 1, usual_bin), 0.25f * kept + even, 0.01f);
     EXPECT_NEAR(share_of(*t, 2, usual_bin), kept + even, 1e-4f);
     EXPECT_NEAR(share_of(*t, 2, other_bin), even, 1e-4f);
-    // 200 times the mean.
+    // Values are limited to 200 times their mean.
     EXPECT_DOUBLE_EQ(t->max_value, 200);
 }
 

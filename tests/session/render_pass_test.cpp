@@ -192,7 +192,7 @@ TEST(Film, ResetIsAsNew)
     expect_same(film, other);
 }
 
-/// Combinations that would be inconsistent are rejected.
+/// Creating a job rejects invalid settings and cameras.
 TEST(RenderJob, RefusesWhatIsNoPicture)
 {
     const Scene scene = compiled();

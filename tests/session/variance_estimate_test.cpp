@@ -40,7 +40,7 @@ TEST(PathNoise, BrightnessIsThatOfNeighbours)
     EXPECT_DOUBLE_EQ(squared_brightness({{3, 1}})[0], 9.9);
 }
 
-/// Of a thousand numbers the largest is ignored.
+/// The largest of a thousand numbers is ignored.
 TEST(PathNoise, MeanWithoutOutliers)
 {
     EXPECT_EQ(mean_without_outliers({3}), 3);

@@ -65,7 +65,7 @@ TEST(ImageTexture, TexelsInEachWrapMode)
                 for (const bool nearest : {false, true}) {
                     TextureRecord t;
                     ShadingTables tables = picture(packed ? TexelFormat::bytes : TexelFormat::float4, t);
-                    // 8-bit values, in both storage formats.
+                    // Both storage formats hold equal 8-bit values.
                     for (int i = 0; !packed && i < int(tables.texels.size()); ++i)
                         tables.texels[std::size_t(i)] = float(value(i / 4 % width, i / 4 / width, i % 4));
                     t.wrap_u = std::uint32_t(wrap_u), t.wrap_v = std::uint32_t(wrap_v);

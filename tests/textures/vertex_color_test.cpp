@@ -9,7 +9,7 @@ TEST(VertexColorTexture, ShowsTheMeshsColours)
 {
     TextureFixture f;
     EXPECT_EQ(f.at(f.add(TextureFixture::of(TextureKind::vertex_color))), (Rgba{0.125f, 0.25f, 0.375f, 0.5f}));
-    // Also through another node.
+    // Vertex colors are also available to a node that another one refers to.
     TextureRecord product = TextureFixture::of(TextureKind::scale);
     product.color_a = {2, 2, 2, 1};
     product.texture_a = 0;

@@ -57,7 +57,7 @@ std::vector<float> count_from(float first, std::size_t n)
     return values;
 }
 
-/// All sizes and all values differ.
+/// A valid file in which all sizes and all values differ.
 File file_of(bool spectral = false)
 {
     File file;

@@ -545,7 +545,7 @@ TEST_F(FathomJson, FilesOfNumbers)
     EXPECT_EQ(error_of("c.json", R"({"points": {"p": {"file": ""}}})"), "/points/p/file: the path of a file is empty");
     write("c.ply", ply + "element curve 1\nproperty uint vertices\nend_header\n" + rows + "5\n");
     EXPECT_THROW(load("d.json", R"({"curves": {"c": {"file": "c.ply"}}})"), Error);
-    EXPECT_THROW(load("e.json", R"({"curves": {"c": {"file": "a.ply"}}})"), Error);  // counts missing
+    EXPECT_THROW(load("e.json", R"({"curves": {"c": {"file": "a.ply"}}})"), Error);  // the counts are missing
 }
 
 TEST_F(FathomJson, MatricesMayFlattenWhereTheySaySo)

@@ -68,9 +68,9 @@ TEST_F(Gltf, AttributesOfEveryType)
     expect_equal(mesh.normals.at(2), {0, 0, 1});
     EXPECT_FLOAT_EQ(mesh.uvs[0].at(1).x, 32768 / 65535.0f);
     EXPECT_FLOAT_EQ(mesh.uvs[0].at(0).y, 1);
-    EXPECT_FLOAT_EQ(mesh.uvs[1].at(1).x, 51);  // not normalized
+    EXPECT_FLOAT_EQ(mesh.uvs[1].at(1).x, 51);  // an accessor that is not normalized
     EXPECT_FLOAT_EQ(mesh.colors.at(0).z, 0.2f);
-    EXPECT_FLOAT_EQ(mesh.colors.at(0).w, 1);  // three components: opaque
+    EXPECT_FLOAT_EQ(mesh.colors.at(0).w, 1);  // colors of three components are opaque
     EXPECT_FLOAT_EQ(mesh.tangents.at(1).w, -1);
     EXPECT_EQ(mesh.indices, (std::vector<std::uint32_t>{2, 1, 0}));
 }

@@ -114,7 +114,7 @@ TEST_F(SharedFiles, BoundsOfKnownModels)
     const Bounds helmet = bounds_of("DamagedHelmet/DamagedHelmet.glb");
     expect_near(helmet.min, {-0.947459, -0.900974, -1.18716}, 1e-5);
     expect_near(helmet.max, {0.942495, 0.900995, 0.812845}, 1e-5);
-    // Two encodings of the duck model.
+    // Both encodings of the duck model have equal bounds.
     const Bounds duck = bounds_of("Duck/glTF-Embedded/Duck.gltf"),
                  quantized = bounds_of("Duck/glTF-Quantized/Duck.gltf");
     expect_near(duck.min, quantized.min, 2e-4);

@@ -170,7 +170,7 @@ TEST_F(Growth, InvisibleLeavesAreNotSeen)
     EXPECT_EQ(scene.nodes.at(1).camera, 0);
 }
 
-/// 2^levels spheres.
+/// A scene file with 2^levels spheres by nested references.
 std::string doubled(int levels, const char* again)
 {
     std::string nodes = R"("n0": {"sphere": {}})";

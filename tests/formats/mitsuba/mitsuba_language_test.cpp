@@ -71,7 +71,7 @@ TEST_F(Mitsuba, IncludesWithinIncludes)
     expect_color(found(text), 0.2, 0.2, 0.2);
     material("parts/sub/m.xml", "0.3");
     expect_color(found(text), 0.3, 0.3, 0.3);
-    // Found beside the scene.
+    // This include is found beside the scene.
     material("assets/n.xml", "0.4");
     const std::string paths = R"(<path value="assets"/><path value="more"/><include filename="n.xml"/>)" + shape;
     expect_color(found(paths), 0.4, 0.4, 0.4);

@@ -23,7 +23,7 @@ TEST_F(Mitsuba, Interiors)
     EXPECT_TRUE(m.transmission_scatter_bounces);
 }
 
-/// Shapes with a null interface.
+/// A null interface keeps the medium of its shape.
 TEST_F(Mitsuba, InteriorsBehindNull)
 {
     constexpr const char* medium =

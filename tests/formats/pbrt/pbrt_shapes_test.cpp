@@ -112,7 +112,7 @@ TEST_F(Pbrt, ProceduralTextures)
     EXPECT_EQ(marble.base().turbulence_weight, 0.5f);
     const Textured dots = read("dots", "\"rgb inside\" [ 1 0 0 ] \"rgb outside\" [ 0 1 0 ] \"float uscale\" 3");
     EXPECT_EQ(dots.base().kind, TextureKind::dots);
-    // pbrt-v4 swaps the two textures.
+    // pbrt-v4 swaps the inside and outside textures of dots.
     expect_color(dots.base().color_a.value, 1, 0, 0);
     expect_color(dots.base().color_b.value, 0, 1, 0);
     EXPECT_EQ(dots.base().uv_scale.x, 3);
@@ -365,8 +365,7 @@ TEST_F(Pbrt, CurvesAndSubdivision)
     EXPECT_EQ(curves.radii.back(), 0.25f);
     EXPECT_EQ(world(R"(Shape "curve" "integer degree" 2 "point3 P" [ 0 0 0 1 2 0 2 0 0 ])").curves.at(0).points.size(),
               4u);
-    // A quadratic B-spline starts and ends at the midpoints of its control polygon and touches the other segments'
-    // midpoints.
+    // A quadratic B-spline starts and ends at midpoints of its control polygon's sides, and touches the others there.
     const SceneDescription quadratic = world(
         R"(Shape "curve" "integer degree" 2 "string basis" "bspline" "point3 P" [ 0 0 0 2 4 0 4 0 0 8 2 0 ] "float width0" 0)");
     const Curves& spline = quadratic.curves.at(0);

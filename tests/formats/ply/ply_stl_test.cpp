@@ -142,7 +142,7 @@ TEST_F(Ply, BothByteOrdersWithEverything)
         EXPECT_EQ(mesh.uvs[0].at(0).x, 0.25f);
         EXPECT_EQ(mesh.uvs[0].at(0).y, 0.25f);
         EXPECT_FLOAT_EQ(mesh.colors.at(0).x, 1);
-        EXPECT_NEAR(mesh.colors.at(0).z, 0.5029f, 1e-4);  // 188 in sRGB
+        EXPECT_NEAR(mesh.colors.at(0).z, 0.5029f, 1e-4);  // the file has 188 in sRGB
         EXPECT_FLOAT_EQ(mesh.colors.at(0).w, 0.2f);
         EXPECT_TRUE(scene.materials.at(0).use_vertex_color);
     }

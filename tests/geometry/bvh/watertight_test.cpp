@@ -51,7 +51,7 @@ void expect_no_misses(const GeometryTables& tables, TreeBuild level, Vec3f cente
         rays.add(o, unit_towards(o, a));
         const float s = random.uniform();
         rays.add(o, unit_towards(o, plus(times(a, 1 - s), times(b, s))));
-        // Axis-aligned rays exactly through a vertex.
+        // Some rays are axis-aligned and pass exactly through a vertex.
         rays.add({a.x, a.y, center.z}, {0, 0, random.below(2) ? 1.f : -1.f});
         rays.add({center.x, a.y, a.z}, {random.below(2) ? 1.f : -1.f, 0, 0});
     }

@@ -233,7 +233,7 @@ TEST(Displacement, ARampTiltsAPlane)
         EXPECT_EQ(scene.data().tables->triangle_count(), 2u * 64 * 64);
         const Image image = rendered(scene, {Aov::depth, Aov::normal}, 3, 64);
         EXPECT_NEAR(image.find("depth")->pixels.at(4), 5 - 0.5 * (0.75 * 0.5 + 0.25 * 0.5), 2e-3);
-        // v grows downwards.
+        // The sign of y is flipped because v grows downwards.
         const Vec3d n = normalize(Vec3d{-0.375, 0.125, 1});
         const std::vector<float>& normal = image.find("normal")->pixels;
         EXPECT_NEAR(normal.at(12), n.x, 1e-4);
@@ -260,7 +260,7 @@ TEST(Displacement, DetailFollowsMappingsByPlace)
     };
     EXPECT_NEAR(parts(TextureMapping::planar, 0, 1), 64, 1e-6);
     EXPECT_NEAR(parts(TextureMapping::cylindrical, 0, 1), 0.75 * 32, 1e-6);
-    // Across the seam of the azimuth.
+    // This edge crosses the seam of the azimuth.
     EXPECT_NEAR(parts(TextureMapping::cylindrical, 2, 3), 64 * std::atan(0.1) / std::numbers::pi, 1e-4);
     EXPECT_NEAR(parts(TextureMapping::spherical, 0, 4), 16, 1e-6);
     // A 3D texture in the smaller space needs a finer subdivision.

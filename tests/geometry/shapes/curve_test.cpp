@@ -348,7 +348,7 @@ double march(Vec3f a, float ra, Vec3f b, float rb, Vec3f o, Vec3f d, double far)
         for (int i = 0; i < 3; ++i) d2 += (p[i] - w * e[i]) * (p[i] - w * e[i]);
         return std::sqrt(d2) - (ra + w * g);
     };
-    if (outside(0) <= 0) return -1;  // starts inside
+    if (outside(0) <= 0) return -1;  // the ray starts inside
     for (double t = 0; t < far;) {
         // A step below the true distance, but not by much.
         const double next = t + std::max(0.2 * outside(t), 1e-5);
@@ -376,7 +376,7 @@ TEST(Curves, round_pieces_are_swept_balls)
         const double expected = march(a, ra, b, rb, o, d, 12);
         if (expected < 0) continue;
         const Met met = meet_one(a, ra, b, rb, o, d, false);
-        // Grazing rays may go either way.
+        // Grazing rays may hit or miss.
         if (met.hit != (expected < 12)) {
             ++unsure;
             continue;

@@ -57,16 +57,16 @@ TEST(Tonemap, SrgbCodesByHand)
     const DisplayMap map({0, Tonemap::srgb});
     // 255 (1.055 x^(1/2.4) - 0.055), and 255 * 12.92 x below 0.0031308.
     EXPECT_EQ(code8(map, 0), 0);
-    EXPECT_EQ(code8(map, 0.001f), 3);       // 3.29
-    EXPECT_EQ(code8(map, 0.0031308f), 10);  // 10.31
-    EXPECT_EQ(code8(map, 0.18f), 118);      // 117.7
-    EXPECT_EQ(code8(map, 0.5f), 188);       // 187.5
+    EXPECT_EQ(code8(map, 0.001f), 3);       // 3.29 before rounding
+    EXPECT_EQ(code8(map, 0.0031308f), 10);  // 10.31 before rounding
+    EXPECT_EQ(code8(map, 0.18f), 118);      // 117.7 before rounding
+    EXPECT_EQ(code8(map, 0.5f), 188);       // 187.5 before rounding
     EXPECT_EQ(code8(map, 1), 255);
     EXPECT_EQ(code8(map, 7), 255);
     EXPECT_EQ(code8(map, -1), 0);
     EXPECT_EQ(code8(map, NAN), 0);
     EXPECT_EQ(code8(map, INFINITY), 255);
-    EXPECT_EQ(code16(map, 0.18f), 30235);  // 65535 * 0.461356
+    EXPECT_EQ(code16(map, 0.18f), 30235);  // 65535 * 0.461356 before rounding
     EXPECT_EQ(code16(map, NAN), 0);
     EXPECT_EQ(code16(map, INFINITY), 65535);
 }
@@ -129,7 +129,7 @@ Rgb hill(const Rgb& radiance)
 /// configuration.
 Rgb sobotka(const Rgb& radiance)
 {
-    // ITU-R BT.2087, and its inverse.
+    // Matrix from Rec.709 to Rec.2020 of ITU-R BT.2087; its inverse converts back.
     const Matrix3 to_2020 = {
         {{0.6274039, 0.3292830, 0.0433131}, {0.0690973, 0.9195404, 0.0113623}, {0.0163914, 0.0880133, 0.8955953}}};
     const Matrix3 inset = {{{0.856627153315983, 0.0951212405381588, 0.0482516061458583},
@@ -141,7 +141,7 @@ Rgb sobotka(const Rgb& radiance)
                                     {0.11142098895748, 0.0871996192028349, 0.801379391839686}}};
     Rgb v = times(inset, times(to_2020, radiance));
     for (double& x : v) {
-        // Horner's scheme of the published polynomial.
+        // Blender's polynomial in Horner's form instead of powers.
         const double ev = std::log2(std::max(x, 1e-10)), least = std::log2(0.18) - 10, most = std::log2(0.18) + 6.5;
         const double t = std::clamp((ev - least) / (most - least), 0.0, 1.0);
         x = -0.00232 + t * (0.1191 + t * (0.4298 + t * (-6.868 + t * (31.96 + t * (-40.14 + t * 15.5)))));

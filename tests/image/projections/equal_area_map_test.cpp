@@ -13,7 +13,7 @@ namespace {
 
 constexpr int size = 16;
 
-/// Black except for one texel.
+/// An image that is black except for one texel.
 CubeFace square_with(int x, int y)
 {
     CubeFace square;

@@ -70,7 +70,7 @@ TEST(LightTable, LampsStandWhereTheirShapesDo)
     EXPECT_FLOAT_EQ(r.position[2], float(-3 * s));
     EXPECT_FLOAT_EQ(r.length_u, float(2 * s));
     EXPECT_FLOAT_EQ(r.area, float(4 * s * s));
-    EXPECT_FLOAT_EQ(r.normal[2], -1);  // y cross x
+    EXPECT_FLOAT_EQ(r.normal[2], -1);  // the normal is y cross x
     EXPECT_FLOAT_EQ(r.motion_or_center[0], 0);
     EXPECT_FLOAT_EQ(r.motion_or_center[1], float(s));
     EXPECT_FLOAT_EQ(r.radius, float(std::sqrt(8.0) * s));
@@ -153,7 +153,7 @@ TEST(LightTable, PointSpotAndSun)
     for (std::size_t i : {0, 1})
         for (std::size_t c = 0; c < 3; ++c) EXPECT_FLOAT_EQ(t.lights[i].radiance[c], float(double(c + 1) * s * s));
     EXPECT_FLOAT_EQ(t.lights[0].position[1], float(5 * s));
-    EXPECT_NEAR(t.lights[1].edge_u[1], -1, 1e-6);  // -z turned downwards
+    EXPECT_NEAR(t.lights[1].edge_u[1], -1, 1e-6);  // the node rotates -z to -y
     EXPECT_FLOAT_EQ(t.lights[1].outer, float(1 - std::cos(0.5)));
     EXPECT_FLOAT_EQ(t.lights[1].falloff, float(std::cos(0.2) - std::cos(0.5)));
     EXPECT_FLOAT_EQ(t.lights[2].radiance[2], 3);  // irradiance does not depend on the scale of render space

@@ -84,7 +84,7 @@ TEST(Environment, PointsOfTheImage)
             EXPECT_NEAR(first(at.u), u, 2e-5) << u << " " << v;
             EXPECT_NEAR(first(at.v), v, 2e-5) << u << " " << v;
         }
-    // Ahead, right, up.
+    // Image coordinates of ahead, right and up.
     EXPECT_NEAR(first(detail::image_point(lanes_of({1, 0, 0})).u), 0.5, 1e-6);
     EXPECT_NEAR(first(detail::image_point(lanes_of({0, 0, 1})).u), 0.75, 1e-6);
     EXPECT_NEAR(first(detail::image_point(lanes_of({0, 1, 0})).v), 0, 1e-3);

@@ -7,7 +7,7 @@
 #include "support/chi_square.h"
 #include "support/lane_helpers.h"
 
-// Lookup in light images alone.
+// Tests of the lookup in light images, without lights.
 namespace fathom {
 namespace {
 
@@ -98,8 +98,8 @@ TEST(LightPicture, EqualAreaEdgesMeet)
 TEST(LightPicture, PlaneIsAWindow)
 {
     LightTables tables = tables_of(LightPictureMap::plane, 2, 2, {1, 2, 3, 4});
-    tables.light_pictures[1].scale_u = 2;    // half as wide as its distance
-    tables.light_pictures[1].scale_v = 0.5;  // twice as high
+    tables.light_pictures[1].scale_u = 2;    // the window is half as wide as its distance
+    tables.light_pictures[1].scale_v = 0.5;  // twice as high as its distance
     EXPECT_NEAR(look_up(tables, {0, 0, 1}), 2.5, 1e-6);
     EXPECT_NEAR(look_up(tables, {-0.25, 1, 1}), 1, 1e-6);
     EXPECT_NEAR(look_up(tables, {0.25, 1, 1}), 2, 1e-6);

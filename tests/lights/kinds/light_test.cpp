@@ -51,12 +51,12 @@ struct Place {
     Vec3d p, corner, u, v;
 };
 const Place places[] = {
-    {{0, 0, 0}, {-1, -1, 2}, {2, 0, 0}, {0, 2, 0}},                // in front
-    {{0, 0, 0}, {1, 2, 0.5}, {3, 0, 0}, {0, 0.5, 0}},              // to the side and near
+    {{0, 0, 0}, {-1, -1, 2}, {2, 0, 0}, {0, 2, 0}},                // a rectangle in front
+    {{0, 0, 0}, {1, 2, 0.5}, {3, 0, 0}, {0, 0.5, 0}},              // a rectangle to the side and near
     {{0, 0, 0}, {-5, -5, 0.3}, {10, 0, 0}, {0, 10, 0}},            // nearly a hemisphere
-    {{1, 2, 3}, {2, 2, 4}, {1, 1, 0}, {0, 0, 2}},                  // rotated
+    {{1, 2, 3}, {2, 2, 4}, {1, 1, 0}, {0, 0, 2}},                  // a rotated rectangle
     {{278, 0, 200}, {213, 554, 227}, {130, 0, 0}, {0, 0, 105}},    // the Cornell box's light from its floor: far
-    {{278, 450, 200}, {213, 554, 227}, {130, 0, 0}, {0, 0, 105}},  // from near below
+    {{278, 450, 200}, {213, 554, 227}, {130, 0, 0}, {0, 0, 105}},  // the Cornell box's light from near below
 };
 
 TEST(Rectangle, SolidAngleIsThatOfItsParts)
@@ -144,7 +144,7 @@ TEST(Lights, InverseDensitiesAverageToTheSolidAngle)
     LightRecord triangle = l;
     triangle.kind = std::uint32_t(LightRecordKind::triangle);
     triangle.area = l.area / 2;
-    // Van Oosterom and Strackee 1983.
+    // Solid angle of a triangle: Van Oosterom and Strackee 1983.
     const Vec3d a{1, -1, 2}, b{3, -1, 2}, c{1, 0, 3};
     const double la = length(a), lb = length(b), lc = length(c);
     const double exact =
@@ -431,7 +431,7 @@ TEST(DirectionalLight, ComesFromOneDirectionOrADisk)
         EXPECT_TRUE(first(s.is_delta));
     }
     // A disk: directions are uniform within its cone, so inverse_pdf is the solid angle.
-    table.radius = 0.2f;  // 1 - cos
+    table.radius = 0.2f;  // radius holds 1 - cos of the disk's half angle
     Vec3d s, t;
     perpendicular(-travels, s, t);
     constexpr int rings = 8, sectors = 8;
@@ -454,7 +454,7 @@ TEST(Sphere, FromInsideEveryDirectionIsAlikeAndTheRightSideShows)
 {
     LightRecord table;
     table.kind = std::uint32_t(LightRecordKind::sphere);
-    table.radius = -10;  // emits inwards
+    table.radius = -10;  // a negative radius emits inwards
     const LightReader<false> light(&table, UInt(0u));
     EXPECT_NEAR(estimate_solid_angle(table, Vec3(Float(1), Float(2), Float(3))), 4 * std::numbers::pi, 1e-3);
     table.radius = 10;  // emits outwards only, so it is dark inside

@@ -267,7 +267,7 @@ TEST(LightTree, WhateverShinesMayBeSelected)
                     const Vec3d at{double(l.position[0]), double(l.position[1]), double(l.position[2])},
                         normal{double(l.normal[0]), double(l.normal[1]), double(l.normal[2])};
                     Vec3d p = k < 2 ? chance.point(20) : at + chance.point(k < 5 ? 0.3 : 5);
-                    // Slightly in front of the plane.
+                    // Half of the points are slightly in front of the light's plane.
                     if (k % 2) p = p - normal * (dot(p - at, normal) - 1e-4);
                     const Float time = random.next() * Float(float(close_time));
                     const LightSample s = sample_light(lamps.light(i), as_lanes(p), time, random.next2(), Mask(true));

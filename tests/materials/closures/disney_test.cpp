@@ -50,7 +50,7 @@ constexpr Surface surfaces[] = {{},
 struct Row {
     Name surface;
     Direction wo, wi;
-    double red, blue;  ///< f cos
+    double red, blue;  ///< f times the cosine of wi, in red and blue
 };
 /// Directions below the surface are inside.
 constexpr Row mitsuba[] = {

@@ -185,7 +185,7 @@ TEST(Mirrors, ShowNoLightsWithoutExtent)
     EXPECT_GT(shown(LayeredBsdf<false>(layered(0, 0.1f))), 1);
 }
 
-/// Nor do they transmit lights without extent.
+/// Microfacets treated as mirrors transmit no lights without extent.
 TEST(Mirrors, LetNoLightsWithoutExtentThrough)
 {
     LayeredMaterialPoint m = layered(0, 0.3f);

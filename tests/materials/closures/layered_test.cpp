@@ -216,7 +216,7 @@ TEST(Layered, IsGlassWhereAllIsRefracted)
         }
 }
 
-/// Vector of doubles.
+/// A 3D vector of doubles.
 struct V {
     double x, y, z;
 };

@@ -47,7 +47,7 @@ TEST(Plastic, TintOfTheBoundary)
     EXPECT_GT(value(black), 0.01);
 }
 
-/// f is equal for swapped directions.
+/// The BSDF is reciprocal: f is equal for swapped directions.
 TEST(Plastic, IsReciprocal)
 {
     for (float roughness : {0.3f, 0.8f})
