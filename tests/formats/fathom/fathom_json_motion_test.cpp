@@ -59,7 +59,7 @@ TEST_F(FathomJsonMotion, Errors)
               "/scene/0/mesh/motion/1: needs 'normals', since the mesh has them");
 }
 
-/// Decomposing and recomposing a transform is exact, also for mirrored and sheared ones.
+/// Decomposing and recomposing a transform restores it, also if it mirrors or shears.
 TEST(Pose, OfTransforms)
 {
     for (int i = 0; i < 1000; ++i) {

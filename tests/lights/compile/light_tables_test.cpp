@@ -196,7 +196,7 @@ TEST(LightTable, BallsHoldCurvesThatMove)
                                            mean(p.z, q.z) - double(n.z[slot]));
             EXPECT_LE(away + mean(a.radii[end], b.radii[end]), double(n.radius[slot]) * (1 + 1e-6)) << i;
         }
-    // The bound is not much larger.
+    // The bounding sphere is not much larger than the curve's motion.
     EXPECT_LT(double(n.radius[slot]), 6 * t.render_scale);
 }
 

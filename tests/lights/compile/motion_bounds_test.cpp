@@ -50,7 +50,7 @@ TEST(LightMotionBounds, HoldsWhatItCarries)
         Chance chance(seed);
         const bool keeps_shape = seed % 3 != 0;
         std::vector<NodeKey> keys = random_motion(chance, keeps_shape);
-        // Half of the motions rotate only slightly.
+        // Some motions rotate only slightly.
         if (seed % 2 && keeps_shape)
             for (NodeKey& key : keys)
                 key.parent_from_node = Transform::translate(chance.vector(5)) *

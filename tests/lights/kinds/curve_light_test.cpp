@@ -143,7 +143,7 @@ TEST(CurveLight, SamplesAreHitsOfTheirDensity)
 TEST(CurveLight, DirectionsFollowTheDensity)
 {
     for (const Form& form : forms) {
-        // From inside the width the density has poles, which the numerical integral misses.
+        // If the viewpoint is inside a curve's width, the density has poles that the numerical integral misses.
         if (form.within) continue;
         const GeometryTables t = tables_of(form);
         const CurveLight light(t, UInt(0u), instance_of(form), Float(now), Mask(true));
