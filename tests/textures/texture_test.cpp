@@ -101,7 +101,7 @@ TEST(ImageTexture, BytesInSrgbAreDecodedBeforeTheyAreMixedButNotAlpha)
     TextureRecord t;
     ShadingTables tables = picture(TexelFormat::bytes_srgb, t);
     for (std::size_t i = 0; i < 256; ++i) tables.linear_of_srgb[i] = float(i * i) / (255.f * 255);
-    const Texel at = lookup_image(tables, t, Float(0.25f), Float(0.5f), Mask(true));  // between the first two texels of row 1
+    const Texel at = lookup_image(tables, t, Float(0.25f), Float(0.5f), Mask(true));  // between texels 0 and 1 of row 1
     for (int c = 0; c < 4; ++c) {
         const double a = value(0, 1, c), b = value(1, 1, c);
         EXPECT_NEAR(first(at.c[c]), c < 3 ? (a * a + b * b) / 2 : (a + b) / 2, 1e-6);
