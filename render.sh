@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: Apache-2.0
 # Renders a scene; installs and builds first what that needs.
 #   ./render.sh                              the Cornell box, to cornell-box.png
 #   ./render.sh SCENE [OPTION]...            as `fathom render SCENE [OPTION]...`

@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: Apache-2.0
 # Builds everything and runs the tests; installs first what that needs. Arguments go to ctest, as in
 #   ./test.sh -L quick            only the quick ones
 #   ./test.sh -R gltf             only those with this in their name

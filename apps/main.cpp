@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "commands/commands.h"
 #include "process/interrupt.h"
 #include "process/streams.h"

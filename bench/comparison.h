@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Options and measurements of the comparison with Embree, which traces the same rays in turns.
 #include <functional>

@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
 """Speed of the Cornell box in million samples per second, beside Mitsuba 3 `llvm_ad_rgb` if a script for it is given.
 
 Fathom: time of whole commands with 66 samples per pixel minus that with 2, which cancels the start-up; 800x600, box

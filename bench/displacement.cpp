@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /// Cost of displacement: a square displaced by an image of a given number of texels per side, beside a mesh of equal
 /// triangles. The program for "Displacement" in docs/measurements/scene-changes.md.
 ///

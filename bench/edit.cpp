@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /// Cost of an edit in a scene of many objects, beside full compilation: the program for "Scene edits" in
 /// docs/measurements/scene-changes.md.
 ///

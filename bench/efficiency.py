@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
 """Efficiency, 1 / (relMSE x seconds), of the Cornell box at 64 samples per pixel, beside Mitsuba 3 `llvm_ad_rgb` with
 each of its unbiased samplers that supports 64 (`orthogonal` takes 121), against a reference by Fathom (another seed,
 16,384 samples).

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Embree as a ray caster: each of its calls reads Fathom's ray arrays and fills hit arrays.
 #include <embree3/rtcore.h>

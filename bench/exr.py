@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Reads OpenEXR images as arrays, and compares them."""
 import numpy as np
 import OpenEXR

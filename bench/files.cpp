@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Time to read a scene file, and memory that reading takes beyond the scene; a first read warms the file cache.
 //   files FILE [TIMES [THREADS]]
 #include <fmt/format.h>

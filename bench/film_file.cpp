@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Cost of a 4K film file with all layers: its size, the copy that stalls rendering, and writing it.
 //   film_file FILE [WIDTH HEIGHT [TIMES]]
 #include <fmt/format.h>

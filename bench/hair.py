@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
 """Tufts of hair by Fathom and Mitsuba 3, from the same files: mean of each channel, Fathom's over Mitsuba's.
 
     bench/hair.py --fathom PROGRAM [--spp 1024] [--keep FOLDER] [NAME ...]

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /// Rays through ten thousand instances of one mesh, each rotated and scaled differently, on uneven ground.
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
 """Lights with images beside Mitsuba 3: a projector and a textured spot, over a floor, a wall and a ball.
 
     bench/light_pictures.py --fathom PROGRAM [--spp 4096]

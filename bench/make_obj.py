@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
 """Large OBJ and PLY files for measurements of reading, from a PLY mesh of triangles (binary, little-endian; x y z,
 uchar int).
 

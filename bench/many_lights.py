@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
 """A scene of many lights: a closed room of 10 x 4 x 10 m with N emissive, one-sided triangles at random positions and
 orientations. Their total area is 1 m2 for every N.
 

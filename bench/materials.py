@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
 """Cost of many materials beside one of the same kind, and of textures on everything beside plain colors.
 
 A closed room of 8 x 4 x 8 m has 300 balls, each a mesh with uv coordinates, and two lamps. It is rendered with one

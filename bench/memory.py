@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
 """Estimated and actual memory of renders: the estimate of --memory beside the peak of resident memory.
 
     bench/memory.py build/release/bin/fathom [FOLDER]

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Meshes for measurements: read from a PLY file, or generated.
 #include <string>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* Keeps Mitsuba's `llvm_ad_rgb` to AVX2 on a machine with AVX-512: preloaded by scenes.py --avx2. Mitsuba makes its Embree device
    before it compiles anything: then both are told what they may use. */
 #include <dlfcn.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /// Rays through a static mesh, and through it in motion by 5 % of its size: with each vertex on a line of its own, or
 /// as an instance that is translated and rotated by 3 degrees. All use the same rays, each at a time of its own.
 #include <algorithm>

@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
 """Overhead of MPI: 2 ranks of one thread each beside one process of two threads, in turns.
 
 usage: mpi.py FATHOM SCENE [OPTION]... [--turns N]

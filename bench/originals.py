@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
 """An unmodified Mitsuba scene in Mitsuba 3 `llvm_ad_rgb` and in Fathom, in turns: samples/s, relMSE at equal samples,
 mean radiance; prints a line of JSON.
 

@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
 """Unmodified pbrt-v4 scenes beside pbrt's own reference images: mean of each channel, samples/s and noise per sample.
 
     bench/pbrt.py --fathom PROGRAM [--pbrt PROGRAM] [--spp 256] [--scenes ../shared/scenes/pbrt-v4] [NAME ...]

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Sets of rays by kind, as in rendering an image, for measurements. They don't depend on the ray caster.
 #include <cstdint>

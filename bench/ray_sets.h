@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Ray sets of a view of a mesh, traced once by Fathom, for all measurements.
 #include <vector>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /// Million rays per second by kind of ray, by Fathom and by Embree, on the same rays in one process. See bench/rays.sh.
 #include <tbb/global_control.h>
 

@@ -1,4 +1,5 @@
 #!/bin/bash
+# SPDX-License-Identifier: Apache-2.0
 # Rays per second of Fathom and Embree: one line of JSON per mesh and kind of ray, then one about BVH construction.
 #   bench/rays.sh [--quick] [--motion | --instances | --trees] [--mesh FILE.ply]... [--threads N] [--not-robust]
 #                 [--build fast|standard|high|compact]

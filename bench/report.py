@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
 """Remakes the appendix of the report from which Fathom originated: the Cornell box at 1 to 10,000 samples per pixel,
 times for one thread and for all, a graph with a linear fit (SVG), and the time in which next event estimation reaches
 the noise of 10,000 samples without it.

@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
 """Noise at equal samples beside each sampler of Mitsuba 3: relMSE of diffuse twins of its scenes; a table in Markdown.
 
     bench/samplers.py [--peers FOLDER] [--fathom PROGRAM] [--width 320] [--spp 64] [--seeds 2] [--reference-spp 1024]

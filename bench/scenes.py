@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
 """Speed and noise of real scenes beside Mitsuba 3 `llvm_ad_rgb`, and Fathom's time by stage; writes a table in
 Markdown.
 

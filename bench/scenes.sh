@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: Apache-2.0
 # Speed and noise of real scenes beside Mitsuba 3, in alternating pairs, and Fathom's time by stage: a table in
 # Markdown. Installs and builds what is missing first. See bench/scenes.py --help.
 set -euo pipefail

@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
 """Unmodified small scenes of Mitsuba's test suite beside their reference images.
 
     bench/test_scenes.py --fathom PROGRAM FOLDER [--spp 512]

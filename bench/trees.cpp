@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /// BVH construction alone, by Fathom and Embree in turns: wall clock time (for one thread: processor time) and
 /// processor time, which other load affects less. Their ratio is the mean number of active threads.
 #include <tbb/global_control.h>

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 # Basis Universal's transcoder, for KTX2 images (docs/formats.md). Debian and Ubuntu don't package it; cargo fetches its
 # sources as a crate, with a checksum. Without cargo or network, Fathom is built without KTX2.
 set(FATHOM_BASIS_VERSION 0.3.1)

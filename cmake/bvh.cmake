@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 # The BVH alone, for one instruction set: tests and benchmarks link it without the rest of the kernel.
 set(FATHOM_BVH_SOURCES bvh.cpp builder/binary.cpp builder/build.cpp builder/child_order.cpp builder/chunk.cpp builder/collapse.cpp
   builder/cost.cpp builder/items.cpp builder/large_set.cpp builder/leaf_data.cpp builder/morton.cpp builder/motion.cpp

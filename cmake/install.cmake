@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 # `cmake --install`: the program, the library with its kernel libraries and modules, headers, and the CMake package. All
 # paths are relative, so the installed folder can be moved.
 include(CMakePackageConfigHelpers)

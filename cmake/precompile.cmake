@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 # Precompiled headers: most files took longer to parse the same headers than for their own code. Every file includes what it uses
 # all the same; a build with FATHOM_PRECOMPILE=OFF (the preset `clang`) shows what is missing.
 option(FATHOM_PRECOMPILE "Parse common headers once for many files" ON)

@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
 """Renders the project's scenes, 800x600 with 50 bounces, and writes a page that shows them.
 
 usage: scenes/gallery.py [--fathom PROGRAM] [--spp N] [FOLDER]      (default folder: gallery)"""

@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
 """Makes the pictures and the model that the scenes in this folder use; needs nothing but Python's own library.
 
     python3 scenes/make_assets.py

@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: Apache-2.0
 # Runs the two commands of the README on a minimal system: a fresh installation in a folder (debootstrap, chroot).
 #   scripts/bare_machine_test.sh [--no-tests | --only-tests] [SUITE] [MIRROR]
 # SUITE is bookworm (Debian 12, the default) or noble (Ubuntu 24.04); MIRROR is the source of its packages (default: the

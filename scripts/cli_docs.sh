@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: Apache-2.0
 # Writes docs/cli.md from the tables of --help. See tests/apps/cli_markdown.cpp.
 #   scripts/cli_docs.sh [BUILD]     BUILD: a build with tests, default build/test
 set -euo pipefail

@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: Apache-2.0
 # Formats all sources by .clang-format.
 #   scripts/format.sh             formats in place
 #   scripts/format.sh --check     changes nothing; lists the files that need formatting and fails if there are any

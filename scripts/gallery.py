@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Makes an HTML page of images of all models in a folder: see gallery.sh."""
 import argparse
 import html

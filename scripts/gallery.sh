@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: Apache-2.0
 # Renders every model in a folder to thumbnails on an HTML page, with default options except for the size.
 #   scripts/gallery.sh FOLDER [-o OUT] [--spp N] [--size WxH]    OUT: output folder, created if missing (default
 #   gallery)

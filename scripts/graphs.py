@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
 """Draws the graphs of docs/performance.md: docs/images/graphs/*.svg from docs/measurements/*.json.
 
 usage: graphs.py [ROOT]

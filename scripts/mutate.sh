@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: Apache-2.0
 # Mutation testing of a change: alters the changed lines one place at a time and lists the mutants that no test detects
 # (docs/testing.md).
 #   scripts/mutate.sh --base main             mutates lines that differ from main: 20 random mutants

@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: Apache-2.0
 # Plants bugs in a copy of the sources and reports which of them the tests detect (docs/testing.md).
 #   scripts/planted.sh                       all rules of tests/planted/rules: takes hours
 #   scripts/planted.sh --sample 4            a sample, selected by the commit or by --seed S

@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: Apache-2.0
 # Makes a release: checks, tests, builds, dates the changelog, commits and tags. Pushes nothing.
 #   scripts/release.sh [--dry-run] [--skip-tests REASON] VERSION
 # --dry-run            only check, and print the commit and the tag that would be made; nothing is built or changed

@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: Apache-2.0
 # Shared by render.sh and test.sh: installs missing packages and builds a preset. They `source` it; run directly,
 # `scripts/setup.sh [tests]` only installs packages.
 

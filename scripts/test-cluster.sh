@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: Apache-2.0
 # Tests with a real Open MPI and a real Slurm on one machine: installs them and the build's packages, builds, and runs
 # the tests.
 #   scripts/test-cluster.sh            about three minutes

@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: Apache-2.0
 # Tests of farm/: installs validators and runners of schedulers into build/farm and the build's packages, builds, and
 # runs the tests.
 #   scripts/test-farm.sh

@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: Apache-2.0
 # Checks that take too long for every change: sanitizers, clang-tidy, all planted bugs, many damaged files.
 # docs/testing.md has the latest results.
 #   scripts/thorough.sh                 all checks: takes hours

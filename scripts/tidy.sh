@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: Apache-2.0
 # Runs clang-tidy over all sources with the checks of .clang-tidy; any finding is a failure.
 #   scripts/tidy.sh [FOLDER [NAME]]    FOLDER: a build with compile_commands.json (default build/clang); NAME: only
 #   files

@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: Apache-2.0
 # Builds oneTBB with the thread sanitizer into build/tsan-tbb, where the preset tsan looks first, from the source of the
 # installed package. With the uninstrumented package the sanitizer can't see synchronization between tasks: it would
 # report every task, and suppressing that would hide all races.

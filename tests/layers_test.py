@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
 """Checks every include of src/ against the table of docs/architecture.md: which folder may include which.
 
 A folder of src/ holds one noun; some have stages in layers of their own, such as compile. The longest prefix of a path

@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
 """Writes single-scattering directional albedos of GGX facets, as means of G2 / G1 over visible normals (Heitz 2018)
 with the height-correlated Smith term:
   src/materials/microfacet/ggx_albedo_table.h         of perfect mirrors, by cosine and roughness; and weighted by

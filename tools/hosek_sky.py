@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
 """Writes src/lights/sky/hosek_sky_table.h: coefficients of the sky of L. Hosek and A. Wilkie 2012, "An Analytic Model
 for Full Spectral Sky-Dome Radiance", by turbidity, ground albedo and channel, as polynomials of the sun's elevation.
 

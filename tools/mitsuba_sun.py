@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
 """Writes src/formats/mitsuba/sun_table.h: irradiance of a surface that faces the sun of Mitsuba's `sunsky`, by
 turbidity and elevation.
 

@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
 """Writes src/materials/closures/plastic_tables.h: transmittance of a rough boundary of index 1.5 by cosine and
 roughness, for closures/plastic.h. Microfacets as in ggx_albedo.py, with Fresnel's equations."""
 import numpy as np

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /// Writes the parts of docs/scene.schema.json that follow from the tables of materials and textures
 /// (src/scene/material_table.cpp, texture_table.cpp): scene_schema FILE. With --check it only reports whether they are
 /// up to date.

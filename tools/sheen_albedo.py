@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
 """Writes src/materials/lobes/sheen_albedo_table.h: directional albedo of a white sheen lobe by cosine and roughness,
 with the distribution of Estevez and Kulla 2017 ("Charlie") and the visibility term of Ashikhmin and Premoze 2007."""
 import numpy as np

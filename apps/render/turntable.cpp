@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "render/turntable.h"
 
 #include "commands/commands.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Interface between the program and its window module, libfathom_view.so. The program opens the module only for
 /// `fathom view`, so that all else runs without a window system.

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Reads film files by their description in docs/film-files.md, without Fathom's code."""
 import struct
 

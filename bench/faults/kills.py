@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
 """Kills renders at random moments and cuts their writes at random bytes: no checkpoint may be lost or damaged, and
 every final image must equal that of an uninterrupted run bit by bit.
 

@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
 """Time, processor time and peak memory of merging many parts.
 
 usage: merge_parts.py FATHOM FOLDER [PARTS [WIDTHxHEIGHT]]

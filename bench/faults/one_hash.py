@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
 """Checks that an image has the same bits for all numbers of threads, instruction sets, parts and interruptions.
 
     one_hash.py PROGRAM PICTURE_HASH SCENE...

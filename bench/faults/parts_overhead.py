@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
 """Cost of rendering an image in parts, one after the other: processor time relative to a single run, and whether the
 bits are equal.
 

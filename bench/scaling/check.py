@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
 """Checks the model against renders: several processes at a time, each standing for a machine, read a scene from a file
 server of low bandwidth.
 

@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
 """Model of many machines that render parts of one image, and of their file server: when each begins to render, and the
 load of the server.
 

@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
 """File system requests of a render: names, opens, reads and writes, traced with strace.
 
     bench/scaling/reads.py FATHOM render SCENE [OPTION]...      prints JSON, the input of model.py

@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
 """Simulates a file server of low bandwidth for a folder, by FUSE, to compare with model.py.
 
     bench/scaling/share.py FOLDER MOUNT MB_A_SECOND NAMES_A_SECOND LOG [--cached]

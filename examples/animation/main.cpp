@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /// An animation by scene edits: a carousel turns, and a lamp changes its color. Only what changed is compiled again.
 ///
 ///     animation [FRAMES [PREFIX]]      writes PREFIX00.png, PREFIX01.png, ... (default 8 frame-)

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /// Merging films: two halves of a render, as two machines would make them, go through files and add up to the bits of
 /// one run. Exits with 1 if a single bit differs.
 ///

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /// A scene from arrays: a triangle mesh, a material, a lamp and a camera, all from std::vector, as a program has them
 /// that computes its geometry. The mesh is a height field, sin(r) / r, with normals and vertex colors.
 ///

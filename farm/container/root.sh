@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: Apache-2.0
 # The root folder of an image: a build as it is installed, the shared libraries that it needs, a shell for recipes that need
 # one, and a user without rights. What it is made of is that of this machine.
 #   farm/container/root.sh BUILD_FOLDER ROOT

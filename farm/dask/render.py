@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
 """A picture in parts by the workers of Dask, and the merge of them: docs/farm/dask.md.
 
     farm/dask/render.py SCENE FOLDER [--parts N] [--spp N] [--picture NAME] [--program FATHOM] [--scheduler ADDRESS] [-- OPTION...]

@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
 """Hands a picture in parts, and the merge of them, to OpenCue: docs/farm/opencue.md.
 
     farm/opencue/submit.py SCENE FOLDER [--parts N] [--spp N] [--picture NAME] [--program FATHOM] [--show SHOW] [--shot SHOT]

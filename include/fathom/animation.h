@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 #include <array>
 #include <cstdint>
@@ -108,12 +109,12 @@ struct VisibilityNode {
 
 /// All animations of a scene and what they act on.
 struct AnimationRig {
-    std::vector<Animation> animations;  ///< Animations of the scene.
-    std::vector<NodeRest> nodes;        ///< State at rest of the scene's first nodes, by index.
-    std::vector<int> parents;           ///< Parent of each entry of `nodes`; -1: none.
-    std::vector<Skin> skins;            ///< Skins that DeformedMesh::skin refers to.
-    std::vector<DeformedMesh> meshes;   ///< Meshes that can be deformed.
-    std::vector<VisibilityNode> hiding;     ///< Nodes that can be hidden.
+    std::vector<Animation> animations;   ///< Animations of the scene.
+    std::vector<NodeRest> nodes;         ///< State at rest of the scene's first nodes, by index.
+    std::vector<int> parents;            ///< Parent of each entry of `nodes`; -1: none.
+    std::vector<Skin> skins;             ///< Skins that DeformedMesh::skin refers to.
+    std::vector<DeformedMesh> meshes;    ///< Meshes that can be deformed.
+    std::vector<VisibilityNode> hiding;  ///< Nodes that can be hidden.
 };
 
 /// The state of everything that an animation moves, at one time.
@@ -170,7 +171,7 @@ private:
     bool is_carried(int node) const;
     std::vector<Transform> skin_transforms(const Skin& skin, const std::vector<Transform>& transforms) const;
     AnimationPose::Vertices bent(const DeformedMesh& mesh, const std::vector<float>& weights,
-                             const std::vector<Transform>& transforms) const;
+                                 const std::vector<Transform>& transforms) const;
 
     AnimationRig rig_;
     std::size_t animation_;

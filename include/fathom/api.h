@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 /// Exports a class or function from libfathom. The library is compiled with hidden visibility, so that only symbols

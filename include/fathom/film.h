@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 #include <cstddef>
 #include <cstdint>
@@ -55,8 +56,7 @@ public:
     std::uint64_t dropped_samples() const;
     /// Pixel and index of a sample.
     struct SampleLocation {
-        int x = 0;                 ///< Column, from the left.
-        int y = 0;                 ///< Row, from the top.
+        int x = 0, y = 0;          ///< Column from the left and row from the top.
         std::uint64_t sample = 0;  ///< Sample index.
     };
     /// Returns one of the dropped samples, which render_sample() can replay. Returns nothing if none was dropped since
@@ -121,9 +121,8 @@ public:
 
     /// The sums of a film as plain data.
     struct Sums {
-        int width = 0;                     ///< Width of the image in pixels.
-        int height = 0;                    ///< Height of the image in pixels.
-        int words_per_pixel = 0;           ///< Number of 32-bit words of a pixel.
+        /// Size of the image in pixels, and number of 32-bit words of a pixel's sums.
+        int width = 0, height = 0, words_per_pixel = 0;
         std::vector<std::uint32_t> words;  ///< width * height * words_per_pixel words, as in Film::words().
         std::vector<SampleRange> samples;  ///< Ranges of sample indices, as Film::samples().
         std::uint64_t dropped = 0;         ///< Number of dropped samples, as Film::dropped_samples().

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 #include <cstdint>
 #include <memory>
@@ -45,18 +46,14 @@ enum class Aov {
 
 /// Rectangle of pixels x0 <= x < x1, y0 <= y < y1, counted from the top left of the image.
 struct Crop {
-    int x0 = 0;  ///< First column.
-    int y0 = 0;  ///< First row.
-    int x1 = 0;  ///< One past the last column.
-    int y1 = 0;  ///< One past the last row.
+    int x0 = 0, y0 = 0, x1 = 0, y1 = 0;  ///< First column and row; one past the last column and row.
 };
 
 /// Everything that determines the bits of an image, except the scene, the camera and the range of samples, which
 /// render() takes as an argument. `threads` and `measure` don't change the image.
 struct RenderSettings {
-    int width = 800;         ///< Width of the image in pixels, 1 to 65535.
-    int height = 600;        ///< Height of the image in pixels, 1 to 65535.
-    std::uint32_t seed = 0;  ///< Seed of the random numbers. Images of different seeds have independent noise.
+    int width = 800, height = 600;  ///< Size of the image in pixels, 1x1 to 65535x65535.
+    std::uint32_t seed = 0;         ///< Seed of the random numbers. Images of different seeds have independent noise.
     /// Maximum number of scattering events of a path; 0 shows emitted light only, 1 adds direct lighting, -1 means no
     /// limit. A limit makes the image darker than it should be.
     int max_depth = -1;

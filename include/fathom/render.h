@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 #include <atomic>
 #include <cstdint>
@@ -14,9 +15,9 @@ namespace fathom {
 
 /// Progress of a call of render().
 struct Progress {
-    std::uint64_t samples_done = 0;   ///< Samples rendered by this call, summed over all pixels.
-    std::uint64_t samples_total = 0;  ///< Samples that the call is going to render, summed over all pixels.
-    RenderCosts costs;                ///< Rays, vertices and times of this call so far.
+    /// Samples rendered by this call so far and to be rendered by it, both summed over all pixels.
+    std::uint64_t samples_done = 0, samples_total = 0;
+    RenderCosts costs;  ///< Rays, vertices and times of this call so far.
 };
 
 /// Renders the samples [range.first, range.second) of every pixel and adds them to `film`.

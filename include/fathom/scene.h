@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 #include <cstddef>
 #include <cstdint>
@@ -13,15 +14,17 @@ namespace fathom {
 
 /// Size of a compiled scene and the time that its compilation took.
 struct CompileStatistics {
-    /// Number of triangles, those of each instance counted separately. Quads (parallelograms) are not among them.
-    std::size_t triangles = 0;
-    /// Number of primitives in memory (triangles, quads, spheres, disks, curve segments, points), those of instances
-    /// counted once.
-    std::size_t primitives = 0;
-    std::size_t instances = 0;     ///< Number of instances, including those of movable nodes and meshes.
-    std::size_t lights = 0;        ///< Number of emissive primitives, lights without a surface, and the environment.
-    std::size_t memory_bytes = 0;  ///< Memory of geometry, acceleration structures, textures and lights.
-    double build_s = 0;            ///< Time that the last compilation or update took, in seconds.
+    /// Sizes of the scene:
+    ///
+    /// triangles     Number of triangles, those of each instance counted separately. Quads (parallelograms) are not
+    ///               among them.
+    /// primitives    Number of triangles, quads, spheres, disks, curve segments and points in memory; those of
+    ///               instances count once.
+    /// instances     Number of instances, including those of movable nodes and meshes.
+    /// lights        Number of emissive primitives, lights without a surface, and the environment.
+    /// memory_bytes  Memory of geometry, acceleration structures, textures and lights.
+    std::size_t triangles = 0, primitives = 0, instances = 0, lights = 0, memory_bytes = 0;
+    double build_s = 0;  ///< Time that the last compilation or update took, in seconds.
 };
 
 /// An immutable compiled scene: geometry in acceleration structures, materials, textures and lights in tables.

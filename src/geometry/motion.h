@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Interpolation of motion at the time of a ray, shared by BVH, surfaces and intersection tests, which therefore agree
 /// bitwise.

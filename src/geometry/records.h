@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Geometry as the kernel reads it: flat arrays of plain numbers that refer to each other by index.
 ///

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Path guiding: what training passes record about incident light by position and direction.
 ///

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include <OpenEXRConfig.h>
 #include <avif/avif.h>
 #include <fmt/format.h>

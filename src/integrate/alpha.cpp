@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /// Compiled for one lane (FATHOM_ONE_LANE), since traversal asks for one candidate at a time. It evaluates textures by
 /// the code that shading uses.
 #include "integrate/alpha.h"

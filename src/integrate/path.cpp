@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /// The path loop: each thread runs a pool of paths through stages (wavefront path tracing).
 ///
 ///     refill ─▶ trace ─▶ walk ─▶ arrive (emission, film, sorting) ─▶ shade, shadows ─▶ retire ─▶ refill ...

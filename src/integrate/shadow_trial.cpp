@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "integrate/shadow_trial.h"
 
 #include "kernel/camera_paths.h"

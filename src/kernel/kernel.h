@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Interface between the library and the kernel library, which is compiled once per instruction set. Only tables, sums,
 /// counters and an opaque scene cross it; no inline code that depends on the instruction set does.

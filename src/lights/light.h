@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Light sampling for all lanes, and the density of sampling a given point of a light, for multiple importance sampling
 /// (MIS).

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Conversion between the absorption of a hair fiber and the color that many such hairs show.
 #include "math/elementary.h"

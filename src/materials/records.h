@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Materials and textures as the kernel reads them: fixed-size records that refer to each other by index.
 #include <array>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Elementary functions of lanes, implemented here so that results depend neither on the version of a math library nor
 /// on the number of lanes.

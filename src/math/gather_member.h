@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Gathers of record members by pointer to member: each lane has an index into one array of records.
 #include <cstddef>

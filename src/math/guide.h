@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Guide tables that narrow the search in a cumulative distribution to a few intervals: Chen and Asau 1974, "On
 /// Generating Random Variates from an Empirical Distribution".

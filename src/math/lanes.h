@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Lanes: Float, UInt and Mask hold N floats, 32-bit integers and booleans. N = `lanes` follows from the instruction
 /// set the file is compiled for: 16 (AVX-512), 8 (AVX2) or 1 (plain types, runs anywhere).

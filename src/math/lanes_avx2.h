@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// AVX2 back end of math/lanes.h: 8 lanes; masks are full vectors. lanes_scalar.h documents the operations.
 #include <immintrin.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// AVX-512 back end of math/lanes.h: 16 lanes, native mask registers. lanes_scalar.h documents the operations.
 #include <immintrin.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Lanes as pairs of registers: each operation is two independent instructions, which hide each other's latency.
 /// math/lanes.h includes this file after a lanes_*.h that defines `native`.

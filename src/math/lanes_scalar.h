@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Base back end of math/lanes.h: one lane of plain types. Its comments document the operations of every back end.
 #include <bit>

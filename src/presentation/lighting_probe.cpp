@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "fathom/first_look.h"
 
 #include <fmt/format.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Owen-scrambled Sobol points: the random numbers of a path. Every number is a function of (seed, pixel, sample index,
 /// dimension) alone.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Tables of the parameters of materials and textures. Reading, checking and writing of files, their schema, appending
 /// of scenes and compiling are derived from these tables (material_table.h, texture_table.h).

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Efficiency-aware Russian roulette (Rath et al. 2022, "EARS: Efficiency-Aware Russian Roulette and Splitting"): the
 /// probabilities of next event estimation and of path continuation that minimize variance times cost. A probability is

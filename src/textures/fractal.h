@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Sums of noise octaves (fBm) and textures made of them, as in pbrt-v4 without its antialiasing of octaves.
 #include "textures/improved_noise.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Perlin 2002, "Improving Noise", with the permutation of the reference implementation: values equal those of other
 /// renderers.

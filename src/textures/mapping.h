@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Texture mapping: from a point on a surface to the coordinates at which a texture is evaluated.
 #include "textures/node.h"

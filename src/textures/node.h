@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Base of all textures. A texture is a node of a graph: a class with
 ///     static constexpr TextureKind kind

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// The list of all textures, from which the evaluation of graphs is generated.
 #include "textures/checker.h"

@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
 """docs/cli.md is what the program's own tables of options say.
 
     cli_docs_test.py CLI_MARKDOWN PAGE

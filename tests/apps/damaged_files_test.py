@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
 """Files of every kind, cut short and with bytes changed: each gives a picture, or one line that names the file and no picture.
 
 damaged_files_test.py PROGRAM SCENES [TIMES [SEED]]    so many cuts and so many changes of each file (default 50)

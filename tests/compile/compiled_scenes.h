@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // Builds small scene descriptions and compiles them to tables for inspection.
 #include "compile/scene_data.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Fake Open Image Denoise for tests: its C functions, with a filter whose result is easy to compute.
 #include <algorithm>
 #include <cstdlib>

@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
 """Checks that docs/images/graphs contains what scripts/graphs.py draws from docs/measurements.
 
 usage: graphs_test.py ROOT

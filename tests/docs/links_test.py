@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
 """Checks that relative links and #anchors of the documents resolve, and that docs/README.md leads to each page of docs/.
 
 usage: links_test.py ROOT

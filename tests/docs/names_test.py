@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
 """Checks quotes in documents: messages of docs/troubleshooting.md in the sources, names of docs/library.md in the headers.
 
 usage: names_test.py ROOT

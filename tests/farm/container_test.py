@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The image's root folder, as the container file makes it: what it weighs, what it lacks, and a render in it by a user without rights."""
 import os
 import re

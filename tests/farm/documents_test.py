@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The pages of docs/farm: what they refer to is there, and each has the two commands."""
 import re
 import unittest

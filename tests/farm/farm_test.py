@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
 """What farm/ gives to schedulers: valid by their own rules, and the picture of one run by what they would run.
 
     farm_test.py FATHOM PICTURE_HASH BUILD_FOLDER

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """What the tests of farm/ share: a folder of films, the picture of one run, and the packages that may not be there.
 
 Each is run by farm_test.py, as  farm_test.py FATHOM PICTURE_HASH BUILD_FOLDER

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """What runs here: OpenJD's own runner, GNU parallel, Dask with a cluster of this machine."""
 import re
 import shutil

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Schedulers that have to be asked over a network: their manifests and definitions, and the commands that stand in them."""
 import copy
 import json

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Deterministic fuzzing by mutation of valid files, for CI and systems without libFuzzer.
 //   fuzz_driver TARGET RUNS           performs runs 0 to RUNS - 1; prints the run that crashes or takes too long
 //   fuzz_driver TARGET RUNS ONLY      performs one run and writes its input to fuzz-TARGET-ONLY.bin in this folder

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Entry point for one target; libFuzzer provides main().
 #include <cstddef>
 #include <cstdint>

@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
 """Renders small images of every feature and compares their hashes with hashes.txt. There is one hash per image, because the
 bits depend neither on the instruction set (all that this machine supports are tested) nor on the number of threads.
 

@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
 """Writes the small scenes of tests/golden/scenes, which together use every feature that affects an image.
 
 usage: make_scenes.py [FOLDER]      default: the folder `scenes` beside this file

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Writes measured BSDF files in the format of the RGL database: tabulated metals with GGX microfacets.
 
 usage: measured_file.py FILE [--anisotropic] [--spectra]     a metal, to inspect or for other renderers

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "guiding/guidance.h"
 
 #include <gtest/gtest.h>
@@ -82,13 +83,13 @@ TEST(Guidance, KnowsTheSideThatASurfaceFaces)
     for (std::uint32_t side = 0; side < guiding_sides; ++side) {
         EXPECT_EQ(test::first(guiding_side(Vec3(normals[side]))), side);
         EXPECT_EQ(test::first(guidance_of(t, middle, normals[side]).survival_factor()), float(side));
-        // The pole is the side's direction, and from_pole inverts to_pole.
+        // The pole is the side's direction, and from_histogram_frame inverts to_histogram_frame.
         const Vec3 d(Vec3f{0.36f, -0.48f, 0.8f});
-        const Vec3 again = from_pole(UInt(side), to_pole(UInt(side), d));
+        const Vec3 again = from_histogram_frame(UInt(side), to_histogram_frame(UInt(side), d));
         EXPECT_EQ(test::first(again.x), 0.36f);
         EXPECT_EQ(test::first(again.y), -0.48f);
         EXPECT_EQ(test::first(again.z), 0.8f);
-        EXPECT_GT(test::first(to_pole(UInt(side), Vec3(normals[side])).z), 0.7f);
+        EXPECT_GT(test::first(to_histogram_frame(UInt(side), Vec3(normals[side])).z), 0.7f);
     }
 }
 
@@ -167,7 +168,7 @@ TEST(Guidance, ChancesOfLightSamplesAreProbabilities)
     GuidingTables t = some_tables(8);
     for (float need : {0.0f, 0.25f, 2.0f, 1e30f}) t.nee_factors.push_back(need);
     const auto chance = [&](std::uint32_t cube, float throughput) {
-        return test::first(light_chance(t, UInt(cube), Float(throughput), Mask(true)));
+        return test::first(nee_probability(t, UInt(cube), Float(throughput), Mask(true)));
     };
     EXPECT_EQ(chance(0, 1), 0.125f);
     EXPECT_EQ(chance(1, 0), 0.125f);
@@ -179,7 +180,7 @@ TEST(Guidance, ChancesOfLightSamplesAreProbabilities)
     EXPECT_EQ(chance(2, 1), 1);
     EXPECT_EQ(chance(3, 0.5f), 1);
     // Inactive lanes read nothing, whatever their cell index is.
-    EXPECT_EQ(test::first(light_chance(t, UInt(0xfffffff0u), Float(1), Mask(false))), 0.125f);
+    EXPECT_EQ(test::first(nee_probability(t, UInt(0xfffffff0u), Float(1), Mask(false))), 0.125f);
 }
 
 }  // namespace

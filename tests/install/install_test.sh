@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: Apache-2.0
 # install_test.sh BUILD SOURCE COMPILER GENERATOR [SANITIZERS]: installs, moves the installed tree, and uses it there: runs the
 # program, and builds each folder of examples with find_package(fathom) and the library's sanitizers.
 set -euo pipefail

@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: Apache-2.0
 # symbols_test.sh NM LIBFATHOM KERNEL...: checks that the libraries export only the intended symbols. Otherwise the loader could
 # bind a program to a template compiled for an instruction set that the machine lacks.
 set -euo pipefail

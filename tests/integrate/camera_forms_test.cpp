@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "picture_helpers.h"
 
 // Each camera parameter, pixel filter and film layer, checked by simple scenes.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /// Lights, lenses and textures against closed forms, one at a time: any factor of two would show.
 #include "image/pictures.h"
 #include "picture_helpers.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "floor.h"
 
 // Emissive curves: with NEE and with BSDF sampling alone, they illuminate a floor equally except for noise.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /// RenderSettings::guiding changes sampling but not the expected image.
 #include <numeric>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "picture_helpers.h"
 
 // Hair: one scattering event covers reflection and transmission, whichever side the light leaves.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /// RenderSettings::clamp_indirect, sample by sample, compared with unclamped samples.
 #include "picture_helpers.h"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Lights hidden from the camera, and lights that no ray hits.
 #include "picture_helpers.h"
 

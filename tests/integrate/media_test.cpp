@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /// Nested solids and their absorption against closed forms.
 #include "picture_helpers.h"
 
@@ -35,7 +36,7 @@ struct Layers {
 };
 
 /// White light from behind through boxes at normal incidence.
-double seen_through(const std::vector<std::pair<Box, Material>>& boxes, bool in_tree)
+double classify_interface(const std::vector<std::pair<Box, Material>>& boxes, bool in_tree)
 {
     SceneBuilder b;
     for (const auto& [box, material] : boxes) b.add(box, b.material(material));
@@ -64,8 +65,8 @@ TEST(Media, WaterInAGlass)
         overlapping.way(0.5);
         overlapping.boundary(1, 1.6);
         const std::pair<Box, Material> pane{layer(0, -1), glass(1.6, 0.5, 1)}, water{layer(-0.9, -2), glass(1.33, 0.8)};
-        EXPECT_NEAR(seen_through({pane, water}, in_tree), overlapping.through, 0.006);
-        EXPECT_NEAR(seen_through({water, pane}, in_tree), overlapping.through, 0.006);
+        EXPECT_NEAR(classify_interface({pane, water}, in_tree), overlapping.through, 0.006);
+        EXPECT_NEAR(classify_interface({water, pane}, in_tree), overlapping.through, 0.006);
         // With opposite priorities the glass ends where the water begins.
         Layers shorter;
         shorter.boundary(1.33, 1);
@@ -73,8 +74,9 @@ TEST(Media, WaterInAGlass)
         shorter.boundary(1.6, 1.33);
         shorter.way(std::pow(0.5, 0.9));
         shorter.boundary(1, 1.6);
-        EXPECT_NEAR(seen_through({{layer(0, -1), glass(1.6, 0.5)}, {layer(-0.9, -2), glass(1.33, 0.8, 1)}}, in_tree),
-                    shorter.through, 0.006);
+        EXPECT_NEAR(
+            classify_interface({{layer(0, -1), glass(1.6, 0.5)}, {layer(-0.9, -2), glass(1.33, 0.8, 1)}}, in_tree),
+            shorter.through, 0.006);
         // Fully nested without priorities: the inner medium applies.
         Layers inside;
         inside.boundary(1.6, 1);
@@ -84,15 +86,16 @@ TEST(Media, WaterInAGlass)
         inside.boundary(1.6, 1.0);
         inside.way(0.5);
         inside.boundary(1, 1.6);
-        EXPECT_NEAR(seen_through({{layer(0, -3), glass(1.6, 0.5)}, {layer(-1, -2), glass(1)}}, in_tree), inside.through,
-                    0.006);
+        EXPECT_NEAR(classify_interface({{layer(0, -3), glass(1.6, 0.5)}, {layer(-1, -2), glass(1)}}, in_tree),
+                    inside.through, 0.006);
         // Overlapping boxes of one glass act as one.
         Layers one;
         one.boundary(1.6, 1);
         one.way(std::pow(0.5, 2.5));
         one.boundary(1, 1.6);
-        EXPECT_NEAR(seen_through({{layer(0, -1.5), glass(1.6, 0.5)}, {layer(-1, -2.5), glass(1.6, 0.5)}}, in_tree),
-                    one.through, 0.006);
+        EXPECT_NEAR(
+            classify_interface({{layer(0, -1.5), glass(1.6, 0.5)}, {layer(-1, -2.5), glass(1.6, 0.5)}}, in_tree),
+            one.through, 0.006);
     }
 }
 

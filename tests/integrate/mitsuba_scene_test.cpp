@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Third-party scenes compared with images rendered by Mitsuba 3.
 #include <filesystem>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "floor.h"
 
 // Lights that move during the shutter interval: irradiance of a floor point is the mean over time of static lights,

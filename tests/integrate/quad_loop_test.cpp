@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /// The quad loop is an optimization: it has the same estimator as the general loop.
 #include <random>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /// Ray origins are offset from surfaces: far enough to avoid self-intersection, but no farther than rounding requires.
 #include "picture_helpers.h"
 

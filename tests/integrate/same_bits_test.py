@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
 """Checks that instruction sets, number of threads, BVH build level and rendering in parts change no bit of an image.
 
 usage: same_bits_test.py FATHOM SCENES"""

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "picture_helpers.h"
 
 // Shadow rays pass index-matched boundaries with fog behind them, and thin panes. Checked with closed forms and with

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /// Shading normals that differ from geometric normals: mirrors and glass still conserve energy.
 #include "picture_helpers.h"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "picture_helpers.h"
 
 // Single-sided surfaces: the camera sees through their backs, but they block all other light.

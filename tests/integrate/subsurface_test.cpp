@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "picture_helpers.h"
 
 // Solids with subsurface scattering: Chandrasekhar's half-space, the Beer-Lambert law, and energy conservation.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Checks for all closures: sampling against pdf, and energy.
 #include <gtest/gtest.h>

@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
 """Mutation testing of a change: mutates the lines of src/ and apps/ that differ from a commit, one place at a time, and lists
 the mutants that no test of the module detects. See docs/testing.md.
 

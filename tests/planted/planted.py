@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
 """Plants bugs in a copy of the sources, one at a time, and reports which of them the tests detect. See docs/testing.md.
 
 A rule of tests/planted/rules/MODULE.json has the keys

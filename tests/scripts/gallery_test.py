@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
 """Tests scripts/gallery.sh: a page of all models of a folder, even if one of them is broken.
 
 gallery_test.py ROOT PROGRAM

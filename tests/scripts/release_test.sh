@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: Apache-2.0
 # Tests scripts/release.sh in a scratch repository: each check, the dry run, and a release with a fake build and fake tests.
 #   release_test.sh ROOT_OF_THE_PROJECT
 # Exit status 77 (skipped) without git.

@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: Apache-2.0
 # Tests the free memory that scripts/setup.sh detects in fake root folders, with the cases of
 # tests/base/machine_test.cpp.  setup_memory_test.sh ROOT_OF_THE_PROJECT
 set -euo pipefail

@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
 """Checks the files of .github: workflows run ./test.sh on the supported systems, and issue forms are complete.
 
 usage: workflows_test.py ROOT               checks the text and then the YAML; exit status 77 (skipped) without Python's yaml

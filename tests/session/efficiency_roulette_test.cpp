@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "session/efficiency_roulette.h"
 
 #include <gtest/gtest.h>
@@ -35,10 +36,10 @@ GuidingRecords part_of(const std::vector<std::vector<GuidingRecord>>& paths)
 }
 
 /// Statistics of the paths of one part.
-PathsMet met_of(const GuidingRecords& part, const double* squares, std::size_t samples, double vertices,
-                double variance)
+PathStatistics met_of(const GuidingRecords& part, const double* squares, std::size_t samples, double vertices,
+                      double variance)
 {
-    PathsMet met;
+    PathStatistics met;
     met.parts = {{&part, squares}};
     met.samples = samples;
     met.vertices = vertices, met.variance = variance;
@@ -51,7 +52,7 @@ TEST(LightNeeds, GoByWhatSamplesBringBesideTheirPixels)
     const GuidingRecords first = part_of({{surface(0.5f, 2), surface(1.5f, 0)}, {surface(0.2f, 4)}, {}}),
                          second = part_of({{surface(1.9f, 1)}});
     const double squares[] = {4, 0.25};
-    PathsMet met;
+    PathStatistics met;
     met.parts = {{&first, &squares[0]}, {&second, &squares[1]}};
     met.samples = 2;
     met.vertices = 3, met.variance = 2;
@@ -73,7 +74,7 @@ TEST(LightNeeds, AreThoseOfTheirCube)
     std::vector<std::vector<GuidingRecord>> bright(paths, {surface(0.5f, 0.4f)}), dark(paths, {surface(1.5f, 0.01f)});
     const GuidingRecords first = part_of(bright), second = part_of(dark);
     const std::vector<double> squares(paths / 4, 1);
-    PathsMet met;
+    PathStatistics met;
     met.parts = {{&first, squares.data()}, {&second, squares.data()}};
     met.samples = 4;
     met.vertices = 4, met.variance = 16;
@@ -88,7 +89,7 @@ TEST(LightNeeds, KeepPathsBesideTheirPixels)
 {
     std::vector<GuidingRecords> parts(37);
     std::vector<double> squares(parts.size());
-    PathsMet met;
+    PathStatistics met;
     for (std::size_t i = 0; i < parts.size(); ++i) {
         // All pixels are as bright as their samples' contributions, so all ratios are equal.
         const float light = float(1 + i);

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Waits for states, never for times: all Python tests wait for, run and end programs with this module.
 
 No test may fail because the machine is slow. A test waits for something observable (a file, a line, a title, the end of a

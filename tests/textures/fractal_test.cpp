@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "textures/fractal.h"
 
 #include "texture_checks.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Fixture for texture nodes: a graph of records that is evaluated at one point.
 #include <gtest/gtest.h>

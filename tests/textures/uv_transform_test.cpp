@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "textures/uv_transform.h"
 
 #include "texture_checks.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Interface between the program and its MPI module, libfathom_mpi.so. The program opens the module only when started
 /// as one of several ranks, so that it runs without MPI otherwise.

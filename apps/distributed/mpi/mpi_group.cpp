@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "distributed/mpi/mpi_group.h"
 
 #include <fmt/format.h>

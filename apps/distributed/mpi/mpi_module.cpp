@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Only the C interface of MPI is used: both Open MPI and MPICH have it.
 #define OMPI_SKIP_MPICXX 1
 #define MPICH_SKIP_MPICXX 1

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "distributed/ranks/gather_films.h"
 
 #include <fmt/format.h>

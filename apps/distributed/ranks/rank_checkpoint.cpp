@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "distributed/ranks/rank_checkpoint.h"
 
 #include <fmt/format.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /// The scripts that Slurm runs. bash runs a trap only after its foreground program has ended, so the render is a
 /// background child. An array's number means all of its tasks. A cancelled task gets the same signals as a preempted
 /// one, but must not requeue itself.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "distributed/slurm/submission.h"
 
 #include <fmt/format.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 #include "distributed/slurm/job_plan.h"
 #include "report/reporter.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "formats/gltf/gltf_reader.h"
 #include "formats/gltf/values.h"
 #include "scene/scattering.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "formats/io/text_encoding.h"
 
 #include "fathom/error.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "formats/mesh/mesh_cleanup.h"
 
 #include <tbb/blocked_range.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "formats/mesh/surface_of_revolution.h"
 
 #include <algorithm>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Analytic shapes. Textured ones become meshes with Mitsuba's texture coordinates.
 #include <fmt/format.h>
 

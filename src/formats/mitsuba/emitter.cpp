@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Emitters without a surface.
 #include <fmt/format.h>
 

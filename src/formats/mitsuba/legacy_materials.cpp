@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /// BSDFs of Mitsuba 0.6 that later versions dropped.
 #include <fmt/format.h>
 

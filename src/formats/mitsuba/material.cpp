@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // BSDFs and participating media; docs/formats.md documents the conversion of each plugin.
 #include <fmt/format.h>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 #include "formats/common/importer.h"
 #include "formats/io/text_encoding.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /// BSDFs that combine two others.
 #include <fmt/format.h>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /// Opacity, blends and emission. In Mitsuba, opacity affects scattering only: an emitter emits its full radiance to the
 /// front, however transparent its BSDF is.
 #include <utility>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "formats/mitsuba/sun_of_date.h"
 
 #include <cmath>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Colors, spectra and textures.
 #include <fmt/format.h>
 

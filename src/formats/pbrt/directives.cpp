@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Directives of the scene language and their effect on the graphics state.
 #include <fmt/format.h>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Conductors: reflectance from indices of refraction.
 #include <fmt/format.h>
 

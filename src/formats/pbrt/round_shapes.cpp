@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Spheres, disks and cylinders, including partial ones.
 #include <fmt/format.h>
 

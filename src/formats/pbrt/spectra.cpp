@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Conversion of colors and spectra to linear Rec.709.
 #include "formats/common/spectra.h"
 

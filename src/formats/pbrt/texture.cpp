@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Textures, which are read when they are referred to.
 #include <fmt/format.h>
 

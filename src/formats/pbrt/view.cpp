@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Camera, film, filter, sampler and integrator.
 #include <fmt/format.h>
 

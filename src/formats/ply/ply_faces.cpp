@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "formats/ply/ply_faces.h"
 
 #include <fmt/format.h>

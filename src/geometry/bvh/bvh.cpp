@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /// Public interface of the BVH: plain arrays in, plain arrays out.
 #include "geometry/bvh/bvh.h"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Bounding volume hierarchy (BVH) with 16 children per node over triangles, quads, spheres, disks, curves, points and
 /// instances of meshes, for scenes of more than a few dozen primitives.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "geometry/displacement/displace.h"
 
 #include <fmt/format.h>

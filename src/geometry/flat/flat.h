@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Scenes of a few dozen primitives as a flat list: every ray is tested against all of them, `lanes` rays at a time.
 ///

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Curves: cubic Bezier segments or lines with varying radius, divided in straight pieces that are intersected by
 /// lanes. The pieces define the surface: shading recomputes them to bitwise equal values.

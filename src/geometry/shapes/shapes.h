@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Intersection of rays (one per lane) with one primitive. Each function updates `hit` where the primitive is nearer,
 /// or at equal distance with a lower number.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Surface of a curve at a hit on one of its pieces.
 #include "geometry/shapes/curve_reader.h"

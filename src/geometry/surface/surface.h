@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Surface properties at hits: position, normals, texture coordinates, tangent.
 #include "geometry/motion.h"

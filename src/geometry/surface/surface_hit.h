@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 #include "geometry/surface/surface_derivatives.h"
 #include "math/spectrum.h"

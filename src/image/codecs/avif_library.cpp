@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "image/codecs/avif_library.h"
 
 #include <fmt/format.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 #include "kernel/camera_record.h"
 #include "materials/read/material.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 #include "integrate/stages/solid_boundary.h"
 #include "kernel/kernel.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 #include "integrate/stages/indirect_clamp.h"
 #include "integrate/stages/path_end.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "lights/compile/light_pictures.h"
 
 #include <fmt/format.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Radiance of the environment by direction, and importance sampling of environment images.
 #include "fathom/description.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Interface of light kinds. A kind is a class with
 ///     static constexpr LightRecordKind kind

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Images that multiply the intensity of lights by direction.
 #include "lights/records.h"

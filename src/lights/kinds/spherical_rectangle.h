@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Samples a rectangle uniformly by the solid angle that it subtends: Urena, Fajardo, King 2013, "An Area-Preserving
 /// Parametrization for Spherical Rectangles".

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// The light tree: selects lights with a position roughly in proportion to their contribution at a point.
 ///

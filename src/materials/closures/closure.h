@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Interface of closures (BSDFs). Directions are in the frame of the shading normal, unit, pointing away from the
 /// surface. wo.z > 0: frames are flipped to the side that the path is on.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// The list of all closures, from which the path kernel is generated.
 #include "materials/closures/diffuse.h"

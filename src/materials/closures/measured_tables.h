@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Tables of measured surfaces in the layout that MeasuredBsdf reads.
 #include <algorithm>

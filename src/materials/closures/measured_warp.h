@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Lookup and sampling of the tables of measured surfaces, for all lanes.
 #include "materials/closures/closure.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Compilation of layered and Disney materials to the kernel's records.
 #include "fathom/description.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Longitudinal (M) and azimuthal (N) lobes of rough hair fibers, each a normalized density.
 #include "math/elementary.h"

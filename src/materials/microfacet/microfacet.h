@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// The GGX microfacet distribution: Walter et al. 2007, with the height-correlated Smith term (Heitz 2014), and Fresnel
 /// equations. Directions are in the frame of the shading normal.

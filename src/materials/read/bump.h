@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Bump mapping: shading normals tilted by the slope of a height texture. Blinn 1978, "Simulation of Wrinkled
 /// Surfaces".

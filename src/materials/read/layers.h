@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Parameters of LayeredBsdf with their textures applied.
 #include "kernel/tables.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Reads the material at a surface: its parameters with textures applied, and the shading normal after bump and normal
 /// mapping.

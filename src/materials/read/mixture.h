@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Resolves mixtures: materials that are one of two others, chosen at random or by the side that the path arrives on.
 #include "geometry/surface/surface.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Compilation of media: the interiors of solids.
 #include "compile/compiler.h"

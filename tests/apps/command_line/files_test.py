@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
 """The command line: bad input and output, what is never written over, full disks."""
 import os
 import resource

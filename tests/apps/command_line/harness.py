@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """What the tests of the command line share: a folder of their own, how the program is run, small files.
 
 Each is run as  THEME_test.py DOUBLE [PROGRAM [FAKE_OIDN]]

@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
 """The command line: what the options of a picture mean: size, camera, light, formats, denoising."""
 import json
 import math

@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
 """The command line: what of the machine it takes, --memory and --nice."""
 import json
 import os

@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
 """The command line: time, progress, signals, threads."""
 import fcntl
 import json

@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
 """fathom submit and status, as far as they go without a scheduler: tests/apps/distributed has a real one."""
 import json
 import os

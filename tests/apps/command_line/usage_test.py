@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
 """The command line: what is refused, and help. cli_docs_test.py compares help with docs/cli.md."""
 import re
 

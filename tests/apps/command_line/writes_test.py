@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
 """The command line: what is written, and nothing else. By strace, which sees every name that is opened to write."""
 import os
 import re

@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
 """Pictures by ranks of a real Open MPI: the bits of one process, whatever is killed.
 
     mpi_test.py PROGRAM PICTURE_HASH SCENE

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """A real Slurm on this one machine, of several nodes with a processor each: sbatch, arrays, requeue, lost nodes.
 
 All that it writes is in a folder of its own; it needs no root, no systemd and no name of the machine. Short intervals are

@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
 """Pictures in parts by a real Slurm: the bits of one run, whatever is killed, requeued, drained or cancelled.
 
     slurm_test.py PROGRAM PICTURE_HASH SCENE [long]

@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
 """The window for real: on an X server without a screen, with keys and mouse sent, and the screen looked at.
 
 window_test.py PROGRAM SCENES FAKE_OIDN    exit code 77: Xvfb, xdotool or ImageMagick's `import` is not installed

@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
 """Checks scene files, and the program's saved versions of them, against docs/scene.schema.json.  schema_test.py ROOT PROGRAM  Exit code 77 (skipped) without Python's jsonschema."""
 import json
 import pathlib

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Byte order marks, line endings and comments in every text format.
 #include <fmt/format.h>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "formats/mesh/mesh_faults.h"
 
 #include "formats/import_test_helpers.h"

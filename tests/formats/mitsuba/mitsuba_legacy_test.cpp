@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Files of Mitsuba 0.5 and 0.6.
 #include <cmath>
 

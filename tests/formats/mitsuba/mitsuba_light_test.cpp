@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Emitters of Mitsuba files.
 #include <fmt/format.h>
 #include <cmath>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /// Media of Mitsuba files: inside shapes and around them.
 #include <cmath>
 

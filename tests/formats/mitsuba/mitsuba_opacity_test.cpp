@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Mitsuba opacity masks, blends, emission with opacity, two-sided BSDFs, and textures for numbers.
 #include <fmt/format.h>
 

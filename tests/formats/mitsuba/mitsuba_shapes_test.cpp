@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Shapes of Mitsuba files.
 #include <fmt/format.h>
 #include <zlib.h>

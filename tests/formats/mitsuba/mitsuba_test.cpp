@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // BSDFs, media and textures of Mitsuba files, and complete third-party scenes.
 #include <fmt/format.h>
 #include <cmath>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Fixture of the pbrt import tests.
 #include <numbers>

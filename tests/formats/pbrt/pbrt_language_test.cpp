@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // pbrt files: the language, cameras, films and integrators.
 #include <fmt/format.h>
 #include <zlib.h>

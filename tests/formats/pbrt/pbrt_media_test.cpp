@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /// Media around shapes in pbrt files; media inside shapes become glass, see pbrt_test.cpp.
 #include <cmath>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Textures and shapes of pbrt files.
 #include <fmt/format.h>
 #include <cmath>

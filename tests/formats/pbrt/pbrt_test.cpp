@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Materials of pbrt files.
 #include <fmt/format.h>
 #include <cmath>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /// Binary BVHs before collapsing: they stay valid trees, and optimization lowers their cost.
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>

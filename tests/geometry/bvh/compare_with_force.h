@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Comparison of BVH traversal with brute force.
 #include <gtest/gtest.h>

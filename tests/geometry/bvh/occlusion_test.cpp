@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /// Bvh::expect orders the children for shadow rays by the expected chance of occlusion.
 #include <gtest/gtest.h>
 

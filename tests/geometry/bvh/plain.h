@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Ray intersections in double precision from the definitions of the shapes, independent of src/geometry.
 #include <algorithm>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Random rays and scenes for ray casting tests, and brute-force casting that tests every primitive.
 #include <cmath>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /// Closed meshes are watertight: rays from inside that are aimed at edges and vertices always hit.
 #include <gtest/gtest.h>
 

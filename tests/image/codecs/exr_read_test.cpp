@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // EXR files as other programs write them, made with OpenEXR's writers.
 #include <ImfChannelList.h>
 #include <ImfFrameBuffer.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Radiance HDR and portable float maps (PFM), byte by byte.
 #include <gtest/gtest.h>
 

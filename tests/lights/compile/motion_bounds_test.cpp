@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "lights/compile/motion_bounds.h"
 
 #include <gtest/gtest.h>

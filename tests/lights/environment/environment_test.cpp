@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "lights/environment/environment.h"
 
 #include <gtest/gtest.h>
@@ -162,7 +163,7 @@ TEST(Environment, SamplingFollowsTheDensityWhichIsThatOfTheTables)
                     1, 1e-3);
     }
 
-    tables.environment.even_luminance = 0.5f, tables.environment.sampled_luminance = 3;
+    tables.environment.base_luminance = 0.5f, tables.environment.luminance_per_pdf = 3;
     // Histogram of samples over cells of the image.
     std::vector<double> observed(120), expected(120);
     test::Random random;

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "materials/closures/fuzz_metal.h"
 
 #include "materials/closure_checks.h"

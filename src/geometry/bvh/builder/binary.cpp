@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /// Top-down construction of the binary BVH. All threads split the upper tree together; then each treelet is built by
 /// one thread. The result does not depend on the number of threads.
 #include "geometry/bvh/builder/binary.h"

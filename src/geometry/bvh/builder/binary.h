@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Binary BVH over a list of items, which is collapsed to wide nodes afterwards.
 #include <algorithm>

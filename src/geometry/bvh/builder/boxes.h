@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Intersection of one ray with the boxes of a wide node: lanes are children.
 #include <cstddef>

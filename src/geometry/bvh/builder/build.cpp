@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /// BVH construction: items, a binary tree, its optimization by reinsertion, and its collapse to wide nodes. The result
 /// does not depend on the number of threads.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Assignment of children to the slots of a wide node, and the order in which rays visit them.
 #include "geometry/bvh/builder/split.h"

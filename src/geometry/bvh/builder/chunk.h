@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Part of the BVH with up to a few thousand items, written by one thread.
 #include <vector>

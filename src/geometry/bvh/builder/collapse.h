@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Collapse of a binary BVH to wide nodes of 16 children, and leaves.
 #include "geometry/bvh/builder/binary.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Optimal collapse of a binary BVH to nodes of 16 children, by dynamic programming over the expected cost of a ray.
 #include <array>

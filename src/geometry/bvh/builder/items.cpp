@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "geometry/bvh/builder/items.h"
 #include "geometry/bvh/builder/leaf_data.h"
 #include "geometry/bvh/builder/motion.h"

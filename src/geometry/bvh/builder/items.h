@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Items of BVHs: boxes of triangles, quads, spheres, disks, curve pieces, points and instances.
 #include "geometry/bvh/builder/split.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Parallel splitting of large sets.
 #include "geometry/bvh/builder/split.h"

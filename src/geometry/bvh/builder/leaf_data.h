@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Contents of leaves in BvhData::others besides the ids of their primitives.
 #include <array>

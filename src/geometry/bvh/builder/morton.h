@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Clusters of items that are adjacent in Morton order; the rest of the BVH is built over them. That is faster because
 /// fewer items are split, at some loss of quality: Pantaleoni and Luebke 2010, "HLBVH".

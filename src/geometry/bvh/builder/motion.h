@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Motion BVHs: built for the middle of the shutter interval, then given linear motion bounds.
 #include <vector>

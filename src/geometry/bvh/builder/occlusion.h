@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Child order of nodes from measured occlusion.
 #include "geometry/bvh/layout/data.h"

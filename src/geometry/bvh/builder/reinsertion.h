@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Optimization of binary BVHs by reinsertion: Bittner, Hapala, Havran 2013, "Fast Insertion-Based Optimization of
 /// Bounding Volume Hierarchies". Positions are searched in parallel as by Meister and Bittner 2018, "Parallel

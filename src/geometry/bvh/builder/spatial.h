@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Spatial splits, which may cut triangles in two: Stich, Friedrich and Dietrich 2009, "Spatial Splits in Bounding
 /// Volume Hierarchies".

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Binned splitting of sets of boxes by the surface area heuristic (SAH): Wald 2007, "On fast Construction of SAH-based
 /// Bounding Volume Hierarchies".

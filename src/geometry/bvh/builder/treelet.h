@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Lower part of the binary tree, split by one thread down to leaves.
 #include <vector>

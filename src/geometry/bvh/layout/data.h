@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Memory layout of the BVH. Construction and layout do not depend on the number of lanes; traversal/stream.h and
 /// traversal/packet.h traverse it.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Intersection of rays with indexed leaves, which store each vertex once.
 ///

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Per-thread memory for tracing a stream of rays, and the nearest hits so far.
 #include <vector>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Interval arithmetic over packets of rays: a box or triangle that the intervals exclude is missed by every ray.
 #include <algorithm>

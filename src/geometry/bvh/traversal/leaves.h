@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Intersection of one ray with a leaf of primitives other than triangles: lanes are primitives.
 #include "geometry/bvh/traversal/ray.h"

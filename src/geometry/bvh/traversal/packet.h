@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Packet traversal: up to stream_size coherent rays traverse the tree together; lanes are rays.
 ///

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Pushing the children that a ray hits onto its stack: the innermost loop of traversal, written for each instruction
 /// set.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Packet traversal for short occlusion rays that start near each other in any direction, such as shadow rays.
 ///

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Stream traversal: several dozen rays at once, each on its own path through the tree.
 ///

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Intersection of one ray with the triangles of a leaf: lanes are triangles.
 #include "geometry/bvh/traversal/ray.h"

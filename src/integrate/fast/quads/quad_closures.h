@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Shading of quads that are not plain (QuadColumns::plain) in the loop for rooms of quads: next event estimation and
 /// sampling of the next direction by their closures.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// The path loop for flat scenes of quads, such as boxes and rooms: the same estimator as PathTracer's, in fewer
 /// instructions.
