@@ -170,7 +170,17 @@ void add_to_words(const Worker& worker, const Film::Data& film, std::uint32_t* w
 
 void check_range(SampleRange range)
 {
-    if (range.second > max_samples) throw Error("", "", fmt::format("sample indices end at {}", max_samples - 1));
+    if (range.first > range.second)
+        throw Error("", "", fmt::format("the sample range {}:{} ends before it begins", range.first, range.second));
+    if (range.second > max_samples) throw Error("", "", fmt::format("the largest sample index is {}", max_samples - 1));
+}
+
+/// Throws before anything is added to the film: its sums can't be separated afterwards.
+void check_new(SampleRange range, const Film& film)
+{
+    for (const SampleRange& r : film.samples())
+        if (range.first < r.second && r.first < range.second)
+            throw Error("", "", fmt::format("the film already contains samples of {}:{}", range.first, range.second));
 }
 
 /// State of one call of render(), and rendering of the tiles of a pass.
@@ -317,6 +327,7 @@ try {
     check_range(range);
     Film::Data& data = film.data();
     Passes passes(job, data, cancel);
+    check_new(range, film);
     Progress progress;
     progress.samples_total = passes.pixels() * (range.second - range.first);
     std::uint64_t next = range.first, pass = std::max<std::uint64_t>(1, 2000000 / passes.pixels());
@@ -347,9 +358,7 @@ try {
         throw Error("", "", fmt::format("a pass has 1 to {} samples", max_pass_samples));
     Film::Data& data = film.data();
     Passes passes(job, data, &cancel);
-    for (const SampleRange& r : data.samples)
-        if (range.first < r.second && r.first < range.second)
-            throw Error("", "", fmt::format("samples of {}:{} are in the film already", range.first, range.second));
+    check_new(range, film);
     // A cancelled first pass can be cleared from the film. Later passes accumulate in separate words. Each pixel is
     // written once, so leftovers of an earlier pass need no clearing.
     const bool is_first = data.samples.empty();

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "fathom/error.h"
 #include "fathom/render.h"
 
 namespace fathom {
@@ -69,6 +70,23 @@ SceneDescription noisy(int kind)
     d.nodes[0].shapes[0].material = 1;
     d.environment.kind = EnvironmentKind::gradient;
     return d;
+}
+
+TEST(Render, RefusesSamplesThatTheFilmHas)
+{
+    RenderSettings settings;
+    settings.width = 7, settings.height = 5;
+    Warnings warnings;
+    const RenderJob job(Scene::compile(scene_of(1, 1), "", warnings), settings);
+    Film film(job);
+    EXPECT_TRUE(render(job, {4, 8}, film));
+    const Film::Sums before = film.sums();
+    EXPECT_THROW(render(job, {0, 5}, film), Error);
+    EXPECT_THROW(render(job, {7, 20}, film), Error);
+    EXPECT_THROW(render(job, {3, 2}, film), Error);
+    EXPECT_EQ(film.sums().words, before.words);
+    EXPECT_EQ(film.sums().samples, before.samples);
+    EXPECT_TRUE(render(job, {0, 4}, film));
 }
 
 TEST(Render, AnotherSeedIsOtherNoise)

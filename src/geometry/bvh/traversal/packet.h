@@ -326,7 +326,7 @@ private:
         bool found = false;
         for (RayMask m = rays; m; m &= m - 1) {
             const int ray = std::countr_zero(m);
-            const bool hit = stream_.meet(ray, reference);
+            const bool hit = stream_.intersect_leaf(ray, reference);
             if (any_hit && hit) blocked_ |= RayMask(1) << ray;
             found |= hit;
         }
