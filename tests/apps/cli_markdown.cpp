@@ -60,13 +60,14 @@ std::string with_code(const std::string& text)
     return result;
 }
 
+/// "`-D`, `--define NAME=VALUE`"
 std::string option_name(const CLI::Option& option)
 {
     std::string text;
     for (const std::string& name : CLI::detail::split(option.get_name(false, true), ','))
-        text += (text.empty() ? "`" : ", `") + name + '`';
-    if (const std::string value = option.get_type_name(); !value.empty()) text += " `" + value + '`';
-    return text;
+        text += (text.empty() ? "`" : "`, `") + name;
+    const std::string value = option.get_type_name();
+    return text + (value.empty() ? "" : " " + value) + '`';
 }
 
 void print_option_row(const CLI::Option& option)

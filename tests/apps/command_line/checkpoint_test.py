@@ -22,7 +22,7 @@ class Checkpoints(CommandLine):
     def test_goes_on_by_itself_with_the_same_bits(self):
         self.ok(*self.render("--spp", "16", "-o", "whole.exr", "--mergeable"))
         self.ok(*self.render("--spp", "16", "-o", "whole.png"))
-        self.assertNotIn("going on", self.ok(*self.render("--spp", "5", "--checkpoint", "c.exr", "-o", "a.png")).stderr)
+        self.assertNotIn("continuing from", self.ok(*self.render("--spp", "5", "--checkpoint", "c.exr", "-o", "a.png")).stderr)
         text = self.ok(*self.render("--spp", "16", "--checkpoint", "c.exr", "-o", "a.png")).stderr
         self.assertIn("continuing from 5 of 16 samples in c.exr\n", text)
         self.assertEqual(self.read("a.png"), self.read("whole.png"))
@@ -56,7 +56,7 @@ class Checkpoints(CommandLine):
             text = self.ok(*self.render("--spp", "16", "--checkpoint", "d.exr", "-o", "a.png")).stderr
             if damage in ("cut", "flip", "empty"):
                 self.assertIn("d.exr: ", text)
-                self.assertIn("the state before is taken", text)
+                self.assertIn("the previous checkpoint is used", text)
             self.assertIn("continuing from 12 of 16 samples in d.previous.exr" if damage == "swapped" else
                           "continuing from 8 of 16 samples in d.previous.exr", text)
             self.assertEqual(self.read("a.png"), self.read("whole.png"), damage)
@@ -181,7 +181,7 @@ class Checkpoints(CommandLine):
         self.scene("slow.json", "camera a slow 20")
         for run in range(3):
             text = self.ok("render", "slow.json", "--size", "9x7", "--time", "0.5", "--checkpoint", "c.exr", "-o", "a.png").stderr
-            self.assertEqual("going on" in text, run > 0)
+            self.assertEqual("continuing from" in text, run > 0)
         first = self.sums("c.previous.exr")[0]
         last = self.sums("c.exr")[0]
         self.assertEqual(len(last), 1)

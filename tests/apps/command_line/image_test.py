@@ -320,7 +320,7 @@ class Picture(CommandLine):
                       {"rectangle": {"corner": [-0.2, 0.9, -0.2], "edge_u": [0.3, 0, 0], "edge_v": [0, 0, 0.3]}, "material": "lamp"},
                       {"sphere": {"center": [0, -0.4, 0], "radius": 0.4}, "material": "glass"}]}))
         render = ["render", "room.json", "--size", "240x180"]
-        line = r"([\d.e-]+) % of the samples make (\d+) % of the noise: --denoise, or --clamp-indirect 10 \(biased\), would hide them\n"
+        line = r"([\d.e-]+) % of the samples \(fireflies\) make (\d+) % of the noise: --denoise, or --clamp-indirect 10 \(biased\), would remove them\n"
         told = re.search(line, self.ok(*render, "--spp", "64", program=PROGRAM).stderr)
         self.assertLess(float(told[1]), 1)
         self.assertGreater(int(told[2]), 20)
@@ -331,7 +331,7 @@ class Picture(CommandLine):
         self.assertIn("--clamp-indirect 20 ", self.ok(*render, "--spp", "64", "--exposure", "-1", program=PROGRAM).stderr)
         limited = [*render, "--clamp-indirect", "0.5"]
         text = self.ok(*limited, "--samples", "0:64", "-o", "a.exr", program=PROGRAM).stderr
-        self.assertIn("biased: indirect light clamped at 0.5\n", text)
+        self.assertIn("biased: indirect light is clamped at 0.5\n", text)
         self.assertNotIn("of the noise", text)
         self.assertIn(b"fathom.clamp_indirect\0string\0\3\0\0\x000.5", Path(self.path("a.exr")).read_bytes())
         self.ok(*limited, "--samples", "64:66", "-o", "b.exr", program=PROGRAM)

@@ -123,7 +123,7 @@ class Info(CommandLine):
         materials = {m["name"]: m for m in self.info("a.json")["materials"]}
         self.assertEqual(materials["lamp"], {"name": "lamp", "kind": "diffuse", "shapes": 1, "uses": ["emission"], "emission": [3, 2, 1]})
         self.assertEqual((materials["shell"]["kind"], materials["shell"]["shapes"]), ("principled", 1))
-        self.assertEqual(materials["shell"]["uses"], ["colour texture", "coat", "sheen"])
+        self.assertEqual(materials["shell"]["uses"], ["color texture", "coat", "sheen"])
         self.assertEqual((materials["spare"]["kind"], materials["spare"]["shapes"]), ("glass", 0))
         self.assertEqual(self.info("a.glb")["materials"][0]["uses"], ["alpha", "single-sided"])
         text = self.ok("info", "a.json", program=PROGRAM).stdout

@@ -79,7 +79,7 @@ TEST(Dispatcher, HandsOutEachSampleOnceWithAlmostNobodyIdle)
         const Simulation run(dispatcher, sample_s);
         EXPECT_EQ(run.joined(), todo);
         // What a perfect division would take, and a range of the shortest kind, or a sample.
-        const double best_s = double(count_of(todo)) / speed;
+        const double best_s = double(count_samples(todo)) / speed;
         EXPECT_LE(run.end_s(), best_s + std::max(0.2, 2 * slowest_s)) << "trial " << trial;
         EXPECT_LE(run.questions, std::size_t(count) * 25) << "trial " << trial;
     }
@@ -128,12 +128,12 @@ RankPlace place(const char* host, const char* cores, int threads, const char* la
 TEST(Machines, RanksShareCores)
 {
     using Threads = std::vector<int>;
-    EXPECT_EQ(shared_threads({place("a", "0-7", 8), place("a", "0-7", 8), place("a", "0-7", 8)}), (Threads{2, 3, 3}));
-    EXPECT_EQ(shared_threads({place("a", "0-3", 4), place("a", "4-7", 4)}), (Threads{4, 4})) << "bound to their own";
-    EXPECT_EQ(shared_threads({place("a", "0-7", 8), place("b", "0-7", 8)}), (Threads{8, 8})) << "two machines";
-    EXPECT_EQ(shared_threads({place("a", "0", 1), place("a", "0", 1)}), (Threads{1, 1})) << "one at least";
-    EXPECT_EQ(shared_threads({place("a", "0-63", 4), place("a", "0-63", 4)}), (Threads{2, 2})) << "a container's limit";
-    EXPECT_EQ(shared_threads({place("a", "", 4), place("a", "", 4)}), (Threads{2, 2})) << "no cores are told";
+    EXPECT_EQ(assign_threads({place("a", "0-7", 8), place("a", "0-7", 8), place("a", "0-7", 8)}), (Threads{2, 3, 3}));
+    EXPECT_EQ(assign_threads({place("a", "0-3", 4), place("a", "4-7", 4)}), (Threads{4, 4})) << "bound to their own";
+    EXPECT_EQ(assign_threads({place("a", "0-7", 8), place("b", "0-7", 8)}), (Threads{8, 8})) << "two machines";
+    EXPECT_EQ(assign_threads({place("a", "0", 1), place("a", "0", 1)}), (Threads{1, 1})) << "one at least";
+    EXPECT_EQ(assign_threads({place("a", "0-63", 4), place("a", "0-63", 4)}), (Threads{2, 2})) << "a container's limit";
+    EXPECT_EQ(assign_threads({place("a", "", 4), place("a", "", 4)}), (Threads{2, 2})) << "no cores are told";
 }
 
 TEST(Machines, TellsOfIdleCores)
@@ -142,7 +142,7 @@ TEST(Machines, TellsOfIdleCores)
                                           place("b", "0-1", 2, "0-1")};
     EXPECT_EQ(idle_cores(bound).idle, 5);
     EXPECT_EQ(idle_cores(bound).all, 10);
-    EXPECT_EQ(machines_of(bound), 2);
+    EXPECT_EQ(count_machines(bound), 2);
 }
 
 TEST(Machines, TravelAsText)
@@ -152,8 +152,8 @@ TEST(Machines, TravelAsText)
     EXPECT_EQ(back.cores, "0-3,8");
     EXPECT_EQ(back.launcher_cores, "0-15");
     EXPECT_EQ(back.threads, 5);
-    EXPECT_FALSE(place_here().host.empty());
-    EXPECT_GE(place_here().threads, 1);
+    EXPECT_FALSE(current_place().host.empty());
+    EXPECT_GE(current_place().threads, 1);
 }
 
 void clear_environment()

@@ -252,7 +252,7 @@ class Parts(unittest.TestCase):
         self.submit(*size, "--spp", str(samples), "--parts", "1", "--time", "1")
         self.wait_until_ended()
         self.assertEqual(self.status()["samples_done"], samples, self.logs())
-        self.assertGreaterEqual(self.logs().count("going on"), 1, self.logs())
+        self.assertGreaterEqual(self.logs().count("continuing from"), 1, self.logs())
         self.assert_same_as_one_run(samples, *size)
 
     def test_held_tasks_wait_for_whoever_holds_them(self):
