@@ -1,7 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
 # Precompiled headers: most files took longer to parse the same headers than for their own code. Every file includes what it uses
 # all the same; a build with FATHOM_PRECOMPILE=OFF (the preset `clang`) shows what is missing.
-option(FATHOM_PRECOMPILE "Parse common headers once for many files" ON)
+# GCC refuses a precompiled header when a file defines another macro, so only Clang uses them by default.
+set(precompile OFF)
+if(CMAKE_CXX_COMPILER_ID MATCHES "Clang")
+  set(precompile ON)
+endif()
+option(FATHOM_PRECOMPILE "Parse common headers once for many files" ${precompile})
 
 # Without it the precompiled header has a time in it, and ccache finds nothing.
 function(fathom_ignore_precompile_time target)
