@@ -263,7 +263,7 @@ class Parts(unittest.TestCase):
         self.assertEqual([(part["state"], part.get("held")) for part in self.status()["parts"]], [("waiting", True)] * 2)
         self.fathom("submit", "--fix", self.picture)
         self.assertEqual(self.running(), {}, "whoever holds a task has a reason")
-        merge = re.search(r"merges them is held by somebody: scontrol release (\d+)", told)[1]
+        merge = re.search(r"merges the parts is held by a user: scontrol release (\d+)", told)[1]
         self.cluster.run("scontrol", "release", self.array())
         self.cluster.run("scontrol", "release", merge)
         self.wait_until_ended()
