@@ -8,10 +8,18 @@ if(CMAKE_CXX_COMPILER_ID MATCHES "Clang")
 endif()
 option(FATHOM_PRECOMPILE "Parse common headers once for many files" ${precompile})
 
-# Without it the precompiled header has a time in it, and ccache finds nothing.
+# Keeps file times out of a precompiled header and out of the check of its sources.
 function(fathom_ignore_precompile_time target)
   if(CMAKE_CXX_COMPILER_ID MATCHES "Clang")
     target_compile_options(${target} PRIVATE "SHELL:-Xclang -fno-pch-timestamp")
+  endif()
+endfunction()
+
+# fathom_reuse_precompiled(TARGET FROM): the precompiled header of another target that has the same flags.
+function(fathom_reuse_precompiled target from)
+  if(FATHOM_PRECOMPILE)
+    target_precompile_headers(${target} REUSE_FROM ${from})
+    fathom_ignore_precompile_time(${target})
   endif()
 endfunction()
 
