@@ -17,7 +17,7 @@ namespace fathom::cli {
 /// Whether images are denoised; automatic: where the denoiser is installed.
 enum class Denoising { off, automatic, on };
 
-/// Which image files are written, and how.
+/// Options for the image files that are written: names, formats and tone mapping.
 struct ImageOptions {
     std::vector<std::filesystem::path> outputs;
     std::optional<double> exposure_ev, white_kelvin;

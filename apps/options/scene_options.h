@@ -17,7 +17,7 @@ namespace fathom::cli {
 
 enum class GroundChoice { automatic, none, shadow, color };
 
-/// Which scene is rendered, in which light, and from where it is seen.
+/// Options for the scene file, its lighting and the camera.
 struct SceneOptions {
     std::filesystem::path file;
     std::string scene;                               ///< of a file with several; empty: the file's default

@@ -70,7 +70,7 @@ public:
     /// Returns the value that rank 0 passes, at all ranks.
     std::string agree(const std::string& own);
 
-    /// Which rank was lost and why; empty if none was.
+    /// The rank that was lost and the reason, as a sentence; empty if none was lost.
     std::string loss() const;
     /// Ends the run because another rank does not answer.
     void abandon(const std::string& why);
