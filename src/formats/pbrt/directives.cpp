@@ -33,7 +33,7 @@ Transform matrix(Scanner& scanner)
     if (scanner.peek().kind != Token::Kind::close) scanner.fail("expected ] after 16 numbers");
     scanner.next();
     if (m[3] != 0 || m[7] != 0 || m[11] != 0 || m[15] == 0)
-        scanner.fail("a transform whose last row is not 0 0 0 1 is none of places");
+        scanner.fail("the last row of a transform must be 0 0 0 1: perspective transforms are not supported");
     Transform t;
     for (std::size_t row = 0; row < 3; ++row)
         for (std::size_t column = 0; column < 4; ++column) t.m[row][column] = m[4 * column + row] / m[15];
@@ -52,7 +52,8 @@ Transform look_at(Scanner& scanner)
     const Place place = scanner.place();
     const Vec3d eye = vector(scanner), at = vector(scanner), up = vector(scanner);
     const Vec3d z = normalize(at - eye), right = cross(normalize(up), z);
-    if (length(z) == 0 || length(right) < 1e-12) place.fail("LookAt needs two points and a direction across");
+    if (length(z) == 0 || length(right) < 1e-12)
+        place.fail("LookAt needs two different points and an up direction that is not parallel to the view");
     const Vec3d x = normalize(right), y = cross(z, x);
     Transform t;
     const Vec3d columns[] = {x, y, z, eye};
@@ -69,7 +70,7 @@ Space space_of(const Place& place, const std::string& name)
         if (name == text) return space;
         names.emplace_back(text);
     }
-    place.fail(fmt::format("the colour space '{}' is not known{}", printable(name), suggestion(name, names)));
+    place.fail(fmt::format("the color space '{}' is unknown{}", printable(name), suggestion(name, names)));
 }
 
 }  // namespace
@@ -86,8 +87,8 @@ SceneDescription Reader::read(const std::string& bytes)
 {
     read_file(scene_.file, bytes);
     if (!blocks_.empty())
-        blocks_.back().place.fail(blocks_.back().kind == 'o' ? "ObjectBegin is never followed by its ObjectEnd"
-                                                             : "AttributeBegin is never followed by its AttributeEnd");
+        blocks_.back().place.fail(blocks_.back().kind == 'o' ? "ObjectBegin has no matching ObjectEnd"
+                                                             : "AttributeBegin has no matching AttributeEnd");
     return finished();
 }
 
@@ -125,7 +126,8 @@ int Reader::add_node(Node node)
 
 std::filesystem::path Reader::locate(const Place& place, const std::string& name)
 {
-    if (name.empty() || name.find('\0') != std::string::npos) place.fail("a file needs a name");
+    if (name.empty() || name.find('\0') != std::string::npos)
+        place.fail("the file name is empty or contains a null character");
     const std::filesystem::path path(name);
     try {
         return context_.locate(path.is_absolute() ? path : folder_ / path);
@@ -150,7 +152,7 @@ void Reader::read_file(const std::filesystem::path& file, const std::string& byt
 void Reader::include(Scanner& scanner, bool is_import)
 {
     const Place place = scanner.place();
-    if (is_import && !in_world_) place.fail("Import belongs behind WorldBegin");
+    if (is_import && !in_world_) place.fail("Import must follow WorldBegin");
     const std::filesystem::path file = locate(place, string_of(scanner));
     auto& open = context_.open_files;
     std::error_code error;
@@ -242,7 +244,7 @@ bool Reader::read_transform(Scanner& scanner, std::string_view word)
     } else if (word == "ActiveTransform") {
         const Token which = scanner.next();
         if (which.text != "All" && which.text != "StartTime" && which.text != "EndTime")
-            scanner.fail("ActiveTransform is followed by All, StartTime or EndTime");
+            scanner.fail("ActiveTransform must be followed by All, StartTime or EndTime");
         state_.active[0] = which.text != "EndTime";
         state_.active[1] = which.text != "StartTime";
     } else {
@@ -255,8 +257,9 @@ void Reader::end_block(const Place& place, char kind)
 {
     const char* const begin = kind == 'o' ? "ObjectBegin" : kind == 't' ? "TransformBegin" : "AttributeBegin";
     if (blocks_.empty() || blocks_.back().kind != kind)
-        place.fail(blocks_.empty() ? fmt::format("there is no {} before it", begin)
-                                   : fmt::format("the block of line {} is still open", blocks_.back().place.line));
+        place.fail(blocks_.empty()
+                       ? fmt::format("there is no matching {} before it", begin)
+                       : fmt::format("the block that begins in line {} is still open", blocks_.back().place.line));
     state_ = std::move(blocks_.back().state);
     blocks_.pop_back();
     if (kind == 'o') current_object_ = nullptr;
@@ -278,15 +281,15 @@ bool Reader::read_scope(Scanner& scanner, std::string_view word)
     } else if (word == "TransformEnd") {
         end_block(place, 't');
     } else if (word == "ObjectBegin") {
-        if (current_object_) place.fail("objects can't hold objects");
+        if (current_object_) place.fail("objects can't contain objects");
         const std::string name = string_of(scanner);
-        if (objects_.contains(name)) place.fail(fmt::format("there is an object '{}' already", printable(name)));
+        if (objects_.contains(name)) place.fail(fmt::format("the object '{}' is already defined", printable(name)));
         begin('o');
         current_object_ = &objects_[name];
     } else if (word == "ObjectEnd") {
         end_block(place, 'o');
     } else if (word == "ObjectInstance") {
-        if (current_object_) place.fail("objects can't hold instances");
+        if (current_object_) place.fail("objects can't contain instances");
         const std::string name = string_of(scanner);
         const auto found = objects_.find(name);
         if (found == objects_.end()) place.fail(fmt::format("there is no object '{}'", printable(name)));
@@ -303,13 +306,14 @@ bool Reader::read_block(Scanner& scanner, std::string_view word)
 {
     const auto options = {"Camera", "Film", "PixelFilter", "Sampler", "Integrator", "Accelerator"};
     if (std::find(options.begin(), options.end(), word) == options.end()) return false;
-    if (in_world_) scanner.fail(fmt::format("{} belongs before WorldBegin", word));
+    if (in_world_) scanner.fail(fmt::format("{} must precede WorldBegin", word));
     if (word == "Camera") {
         camera_ = plugin(scanner, "Camera", "");
         world_from_camera_ = state_.ctm[0].inverse();
         camera_medium_ = state_.outside;
         systems_["camera"] = {world_from_camera_, state_.ctm[1].inverse()};
-        if (state_.ctm[0].m != state_.ctm[1].m) report(*camera_, "a camera that moves stands where it is at first");
+        if (state_.ctm[0].m != state_.ctm[1].m)
+            report(*camera_, "camera motion is not supported: the first transform is used");
     } else if (word == "Film") {
         film_ = plugin(scanner, "Film", "");
     } else if (word == "PixelFilter") {
@@ -319,7 +323,7 @@ bool Reader::read_block(Scanner& scanner, std::string_view word)
     } else if (word == "Integrator") {
         read_integrator(*plugin(scanner, "Integrator", ""));
     } else {
-        report(*plugin(scanner, "Accelerator", ""), "is ignored: Fathom builds its own");
+        report(*plugin(scanner, "Accelerator", ""), "is ignored: Fathom builds its own acceleration structure");
     }
     return true;
 }
@@ -340,9 +344,9 @@ bool Reader::read_definition(Scanner& scanner, std::string_view word)
     if (word == "Texture") {
         name = string_of(scanner);
         const std::string type = string_of(scanner);
-        if (type != "float" && type != "spectrum") place.fail("a texture is one of 'float' or of 'spectrum'");
+        if (type != "float" && type != "spectrum") place.fail("the type of a texture must be 'float' or 'spectrum'");
         auto& textures = type == "float" ? float_textures_ : color_textures_;
-        if (textures.contains(name)) place.fail(fmt::format("there is a texture '{}' already", printable(name)));
+        if (textures.contains(name)) place.fail(fmt::format("the texture '{}' is already defined", printable(name)));
         textures[name] = {plugin(scanner, "Texture", "texture"), type == "float", state_.ctm[0], {}, false};
     } else if (word == "Material") {
         state_.material = plugin(scanner, "Material", "material");
@@ -351,13 +355,13 @@ bool Reader::read_definition(Scanner& scanner, std::string_view word)
     } else if (word == "MakeNamedMaterial") {
         const Plugin made = named_plugin(scanner, "Material", "material", name);
         if (!named_materials_.emplace(name, made).second)
-            place.fail(fmt::format("there is a material '{}' already", printable(name)));
+            place.fail(fmt::format("the material '{}' is already defined", printable(name)));
     } else if (word == "NamedMaterial") {
         state_.named_material = string_of(scanner);
     } else if (word == "MakeNamedMedium") {
         const Plugin made = named_plugin(scanner, "Medium", "medium", name);
         if (!media_.emplace(name, made).second)
-            place.fail(fmt::format("there is a medium '{}' already", printable(name)));
+            place.fail(fmt::format("the medium '{}' is already defined", printable(name)));
     } else if (word == "MediumInterface") {
         state_.inside = state_.outside = string_of(scanner);
         if (scanner.peek().kind == Token::Kind::string) state_.outside = string_of(scanner);
@@ -381,7 +385,7 @@ void Reader::read_directive(Scanner& scanner)
         read_block(scanner, word))
         return;
     if (word == "WorldBegin") {
-        if (in_world_) place.fail("there is a WorldBegin before it");
+        if (in_world_) place.fail("there is already a WorldBegin before it");
         in_world_ = true;
         state_.ctm = {};
         state_.active[0] = state_.active[1] = true;
@@ -411,7 +415,7 @@ void Reader::read_directive(Scanner& scanner)
             "ObjectEnd",       "ObjectInstance", "WorldBegin", "AreaLightSource", "MakeNamedMaterial",
             "MakeNamedMedium", "Translate",      "Rotate",     "Scale",           "Transform",
             "LookAt",          "Camera",         "Film",       "Integrator"};
-        place.fail(fmt::format("'{}' is no directive{}", printable(word), suggestion(word, names)));
+        place.fail(fmt::format("'{}' is not a directive{}", printable(word), suggestion(word, names)));
     }
 }
 

@@ -61,7 +61,7 @@ void Reader::add_light_node(Light light, const Transform& world_from_node)
 
 void Reader::read_light(const Parameters& of)
 {
-    if (state_.ctm[0].m != state_.ctm[1].m) report(of, "a light that moves stands where it is at first");
+    if (state_.ctm[0].m != state_.ctm[1].m) report(of, "light motion is not supported: the first transform is used");
     const std::string& type = of.plugin();
     if (type == "infinite") return read_infinite(of);
     const bool has_place = type != "goniometric" && type != "projection";
@@ -98,7 +98,7 @@ void Reader::read_light(const Parameters& of)
         if (const double lux = of.number("illuminance", -1); lux > 0) light.intensity = scaled(light.intensity, lux);
         add_light(light, rotation_of(world) * towards(to - from));
     } else {
-        report(of, "is not known: it is left out");
+        report(of, "is not supported and is ignored");
         return;
     }
     of.finish(reporter_);
@@ -146,13 +146,13 @@ void Reader::read_infinite(const Parameters& of)
     Environment& environment = scene_.environment;
     const double lux = of.number("illuminance", -1);
     if (of.has("portal")) {
-        report(of, "light of the environment is not sampled through its portal");
+        report(of, "'portal' is ignored: the environment is not sampled through it");
         of.ignore({"portal"});
     }
     const bool is_first = environment.kind == EnvironmentKind::none;
     if (of.has("filename")) {
-        if (of.has("L")) of.fail("it has either 'L' or a 'filename'");
-        if (!is_first) report(of, "only the last picture of the environment is seen");
+        if (of.has("L")) of.fail("it can't have both 'L' and 'filename'");
+        if (!is_first) report(of, "several environment images are not supported: only the last one is used");
         environment.kind = EnvironmentKind::equal_area;
         environment.image = image(of);
         const auto scale = float(of.number("scale", 1));
@@ -170,7 +170,7 @@ void Reader::read_infinite(const Parameters& of)
             environment.color = {environment.color.r + color.r, environment.color.g + color.g,
                                  environment.color.b + color.b};
         } else {
-            report(of, "a constant environment beside a picture is left out");
+            report(of, "a constant environment in addition to an environment image is ignored");
         }
     }
     of.finish(reporter_);

@@ -96,7 +96,7 @@ Material Reader::read_material(const Parameters& m)
                                                 "mix",
                                                 "interface",
                                                 "measured"};
-        report(m, fmt::format("is not known: grey diffuse instead{}", suggestion(type, names)));
+        report(m, fmt::format("is not supported: gray diffuse is used{}", suggestion(type, names)));
         result.base_color = {{0.5f, 0.5f, 0.5f}, -1};
         return result;
     }
@@ -169,7 +169,8 @@ Material Reader::coated_diffuse(const Parameters& m)
     out.base_color = color(m, "reflectance", {0.5f, 0.5f, 0.5f});
     set_roughness(m, "", out);
     out.ior = ior(m, "eta", 1.5f);
-    if (out.anisotropy.value > 0) report(m, "the coat is as rough in all directions as in one");
+    if (out.anisotropy.value > 0)
+        report(m, "anisotropic roughness of the coat is not supported: isotropic roughness is used");
     out.two_roughnesses = false, out.anisotropy = {0, -1, 0};
     out.optical_thickness = layer_thickness(m);
     return out;
@@ -179,9 +180,10 @@ Material Reader::coated_diffuse(const Parameters& m)
 float Reader::layer_thickness(const Parameters& m)
 {
     const FloatInput thickness = number_or_texture(m, "thickness", 0.01f);
-    if (thickness.texture >= 0) report(m, "of a texture as 'thickness' only what it is scaled by is taken");
+    if (thickness.texture >= 0) report(m, "a texture as 'thickness' is not supported: only its scale is used");
     const float scattered = m.has("albedo") ? largest(color(m, "albedo", {0, 0, 0})) : 0;
-    if (scattered > 0) report(m, "nothing scatters between the layers: what would be is let through");
+    if (scattered > 0)
+        report(m, "scattering between the layers is not supported: light that would scatter is transmitted");
     m.ignore({"maxdepth", "nsamples", "g", "albedo"});
     return std::clamp(thickness.value * (1 - scattered), 0.f, 100.f);
 }
@@ -206,7 +208,8 @@ Material Reader::dielectric(const Parameters& m, float usual_index)
         out.dispersion = float(std::min(20 / glass.abbe, 40.0));
     }
     set_roughness(m, "", out);
-    if (out.anisotropy.value > 0) report(m, "glass is as rough in all directions as in one");
+    if (out.anisotropy.value > 0)
+        report(m, "anisotropic roughness of glass is not supported: isotropic roughness is used");
     out.two_roughnesses = false, out.anisotropy = {0, -1, 0};
     return out;
 }
@@ -229,7 +232,7 @@ Material Reader::diffuse_transmission(const Parameters& m)
     out.diffuse_transmission_color = limited(color(m, "transmittance", {0.25f, 0.25f, 0.25f}));
     out.diffuse_transmission_added = true;
     if (is_above_1(out.base_color, out.diffuse_transmission_color))
-        report(m, "reflects and transmits more than it gets, as pbrt has it too");
+        report(m, "reflects and transmits more light than it receives, as in pbrt");
     return out;
 }
 
@@ -270,7 +273,7 @@ Material Reader::subsurface(const Parameters& m)
     }
     for (const char* texture : {"sigma_a", "sigma_s"})
         if (m.has(texture) && m.find(texture)->type == "texture")
-            m.fail(fmt::format("a texture as '{}' is not rendered yet: give a colour", texture));
+            m.fail(fmt::format("a texture as '{}' is not supported: use a color", texture));
     fill_solid(out, scaled(color_value(m, "sigma_a", {0.0011f, 0.0024f, 0.014f}, true), scale),
                scaled(color_value(m, "sigma_s", {2.55f, 3.21f, 3.77f}, true), scale), g);
     return out;
@@ -299,7 +302,7 @@ Material Reader::hair(const Parameters& m)
                          p = number_or_texture(m, "pheomelanin", 0);
         out.eumelanin = e.value, out.pheomelanin = p.value;
         if (e.texture >= 0 || p.texture >= 0)
-            report(m, "of textures as melanins only what they are scaled by is taken");
+            report(m, "textures of melanin concentrations are not supported: only their scale is used");
     }
     m.ignore({"sigma_a", "reflectance", "color", "eumelanin", "pheomelanin"});
     return out;
@@ -318,7 +321,7 @@ Material Reader::measured(const Parameters& m)
 Material Reader::mix(const Parameters& m)
 {
     const std::vector<std::string> names = m.texts("materials");
-    if (names.size() != 2) m.fail("'materials' are the names of two");
+    if (names.size() != 2) m.fail("'materials' must be the names of two materials");
     Material both[2];
     for (std::size_t i = 0; i < 2; ++i) {
         const auto found = named_materials_.find(names[i]);
@@ -353,10 +356,10 @@ void Reader::set_medium(const Parameters& medium, Material& out)
 {
     const std::string& type = medium.plugin();
     if (type != "homogeneous") {
-        report(medium, "is not rendered yet: nothing is there");
+        report(medium, "is not supported: it is ignored");
         return;
     }
-    if (medium.has("Le")) report(medium, "media don't glow yet: 'Le' is left out");
+    if (medium.has("Le")) report(medium, "emissive media are not supported: 'Le' is ignored");
     const double scale = medium.number("scale", 1);
     const MeasuredMedium* const known = measured_medium(medium, "preset");
     // Defaults of pbrt's code, which differ from its manual.
@@ -368,7 +371,7 @@ void Reader::set_medium(const Parameters& medium, Material& out)
     medium.finish(reporter_);
     if (out.kind == MaterialKind::none) out = index_matched_boundary();
     if (out.kind != MaterialKind::glass && !(out.kind == MaterialKind::principled && out.transmission.value == 1)) {
-        report(medium, "is not rendered in what is not glass");
+        report(medium, "is supported inside glass only: it is ignored");
         return;
     }
     out.transmission_scatter_bounces = true;
@@ -391,7 +394,7 @@ void Reader::finish_media()
 void Reader::set_emission(const Surface& surface, Material& out)
 {
     const Parameters& light = *surface.light;
-    if (light.plugin() != "diffuse") report(light, "is not known: 'diffuse' instead");
+    if (light.plugin() != "diffuse") report(light, "is not supported: 'diffuse' is used");
     ColorInput emission{light_color(light, "L"), -1};
     if (light.has("filename")) {
         Texture picture;

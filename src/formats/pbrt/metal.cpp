@@ -117,7 +117,7 @@ void Reader::set_metal_colors(const Parameters& m, const std::string& prefix, fl
     const std::string spectrum = eta ? name(eta) : "metal-Cu-eta";
     const Conductor* metal = find_metal(spectrum);
     if (!metal) {
-        report(m, fmt::format("the metal '{}' is not known: aluminium instead", printable(spectrum)));
+        report(m, fmt::format("the metal '{}' is unknown: aluminum is used", printable(spectrum)));
         metal = find_metal("metal-Al-eta");
     }
     set(colors_of(within(*metal, outside)));
@@ -163,7 +163,7 @@ Material Reader::coated_conductor(const Parameters& m)
     }
     if (out.roughness.texture < 0 && coat.roughness.texture < 0 && !out.two_roughnesses)
         out.roughness.value = roughness_through_coat(out.roughness.value, coat.roughness.value, coat_ior);
-    report(m, "light below the coat is not followed: what it loses there is computed from the colour");
+    report(m, "interreflection below the coat is not simulated: its loss is computed from the color");
     return out;
 }
 

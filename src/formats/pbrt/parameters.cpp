@@ -34,7 +34,7 @@ const Type& type_of(const Scanner& scanner, const std::string& name)
         if (name == type.name) return type;
         names.emplace_back(type.name);
     }
-    scanner.fail(fmt::format("'{}' is no type of parameter{}", printable(name), suggestion(name, names)));
+    scanner.fail(fmt::format("'{}' is not a parameter type{}", printable(name), suggestion(name, names)));
 }
 
 /// Splits a declaration such as `"float radius"` into type and name.
@@ -97,7 +97,7 @@ void read_values(Scanner& scanner, const Type& type, Parameter& parameter)
     if (stop.kind == Token::Kind::end)
         parameter.place.fail(fmt::format("the values of '{}' are not closed by ]", printable(parameter.name)));
     if (stop.kind != Token::Kind::close)
-        scanner.fail(fmt::format("'{}' is no value of '{} {}'", printable(stop.text), printable(parameter.type),
+        scanner.fail(fmt::format("'{}' is not a value of '{} {}'", printable(stop.text), printable(parameter.type),
                                  printable(parameter.name)));
     scanner.next();
     parameter.numbers.shrink_to_fit();

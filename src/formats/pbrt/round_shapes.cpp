@@ -61,7 +61,7 @@ std::optional<Shape> Reader::cylinder(const Parameters& shape)
 {
     const double radius = shape.number("radius", 1), z_min = shape.number("zmin", -1), z_max = shape.number("zmax", 1),
                  phi_max = phi_max_of(shape);
-    if (!(radius > 0) || z_min == z_max) shape.fail("a cylinder has a radius and a height above 0");
+    if (!(radius > 0) || z_min == z_max) shape.fail("a cylinder needs a radius and a height above 0");
     const std::vector<ProfilePoint> profile = {{radius, std::min(z_min, z_max), 1, 0, 1},
                                                {radius, std::max(z_min, z_max), 1, 0, 0}};
     return add_mesh(turned(profile, phi_max, sides_of(phi_max)), *shape.place().file);

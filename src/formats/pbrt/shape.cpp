@@ -136,7 +136,7 @@ std::optional<Shape> Reader::ply_mesh(const Parameters& shape, Surface& surface)
     if (const auto known = models_.find(key); known != models_.end()) return Shape{MeshInstance{known->second}, -1, {}};
     try {
         PlyData data = ply_data_of(context_.open(path));
-        if (data.mesh.indices.empty()) throw Error(path.string(), "", "there are no faces in it");
+        if (data.mesh.indices.empty()) throw Error(path.string(), "", "it contains no faces");
         data.mesh.colors.clear();
         if (data.mesh.uvs[0].empty() && has_uv) add_default_uvs(data.mesh, data.quads);
         Shape result = add_mesh(std::move(data.mesh), path.string());
@@ -152,7 +152,7 @@ std::optional<Shape> Reader::bilinear_mesh(const Parameters& shape)
     const Mesh corners = vertices_of(shape);
     const std::vector<std::uint32_t> indices = indices_of(shape, corners.positions.size(), 4);
     if (shape.has("emissionfilename")) {
-        report(shape, "'emissionfilename' is left out");
+        report(shape, "'emissionfilename' is ignored");
         shape.ignore({"emissionfilename"});
     }
     shape.ignore({"faceIndices"});
@@ -208,7 +208,7 @@ namespace {
 /// Converts a quadratic B-spline to Bezier segments, which join at the midpoints of the control polygon.
 std::vector<Vec3f> quadratic_bezier(const Parameters& shape, const std::vector<Vec3f>& points)
 {
-    if (points.size() < 3) shape.fail("a quadratic 'bspline' has three points or more");
+    if (points.size() < 3) shape.fail("a quadratic 'bspline' needs at least three points");
     const auto middle = [&](std::size_t i) {
         return to_float((to_double(points[i]) + to_double(points[i + 1])) * 0.5);
     };
@@ -223,7 +223,7 @@ std::vector<Vec3f> quadratic_bezier(const Parameters& shape, const std::vector<V
 /// Converts a cubic B-spline to Bezier segments.
 std::vector<Vec3f> cubic_bezier(const Parameters& shape, const std::vector<Vec3f>& points)
 {
-    if (points.size() < 4) shape.fail("a 'bspline' has four points or more");
+    if (points.size() < 4) shape.fail("a 'bspline' needs at least four points");
     const auto at = [&](std::size_t i) { return to_double(points[i]); };
     std::vector<Vec3f> result{to_float((at(0) + at(1) * 4 + at(2)) * (1.0 / 6))};
     for (std::size_t i = 1; i + 2 < points.size(); ++i) {
@@ -242,8 +242,8 @@ std::optional<Shape> Reader::curve(const Parameters& shape)
     curves.points = shape.vectors("P");
     const int degree = shape.integer("degree", 3);
     const std::string basis = shape.text("basis", "bezier"), type = shape.text("type", "flat");
-    if (degree != 2 && degree != 3) shape.fail("'degree' is 2 or 3");
-    if (basis != "bezier" && basis != "bspline") shape.fail("'basis' is 'bezier' or 'bspline'");
+    if (degree != 2 && degree != 3) shape.fail("'degree' must be 2 or 3");
+    if (basis != "bezier" && basis != "bspline") shape.fail("'basis' must be 'bezier' or 'bspline'");
     const double width = shape.number("width", 1), first = shape.number("width0", width),
                  last = shape.number("width1", width);
     // Widths vary linearly along the curve, which B-spline control points can't express unless they are constant.
@@ -261,16 +261,16 @@ std::optional<Shape> Reader::curve(const Parameters& shape)
             cubic.push_back(to_float(c + (b - c) * (2.0 / 3)));
             cubic.push_back(to_float(c));
         }
-        if (curves.points.size() % 2 != 1) shape.fail("a quadratic curve has 3, 5, 7, ... points");
+        if (curves.points.size() % 2 != 1) shape.fail("a quadratic curve must have 3, 5, 7, ... points");
         curves.points = std::move(cubic);
     }
     const std::size_t n = curves.points.size();
     if (n < 4 || (is_bezier && n % 3 != 1))
-        shape.fail(fmt::format("a curve of {} points: it needs 4, 7, 10, ..., or 4 and more of a 'bspline'", n));
+        shape.fail(fmt::format("a curve has {} points, but needs 4, 7, 10, ..., or at least 4 for a 'bspline'", n));
     curves.basis = is_bezier ? CurveBasis::bezier : CurveBasis::bspline;
     curves.ribbons = type != "cylinder";
     if (type == "ribbon") {
-        report(shape, "a ribbon faces each ray, not along its 'N'");
+        report(shape, "'N' of a ribbon is ignored: ribbons face each ray");
         shape.ignore({"N"});
     }
     for (std::size_t i = 0; i < n; ++i)
@@ -293,7 +293,7 @@ std::optional<Shape> Reader::geometry(const Parameters& shape, Surface& surface)
     if (type == "sphere") return sphere(shape, has_textures);
     if (type == "disk") return disk(shape, has_textures);
     if (type == "cylinder") return cylinder(shape);
-    report(shape, "is not known: it is left out");
+    report(shape, "is not supported and is ignored");
     return std::nullopt;
 }
 
@@ -349,13 +349,13 @@ void Reader::place(Node node)
 
 void Reader::read_shape(const Parameters& shape)
 {
-    if (!in_world_) shape.fail("shapes belong behind WorldBegin");
+    if (!in_world_) shape.fail("shapes must follow WorldBegin");
     Surface surface;
     surface.material = state_material(shape.place());
     set_media(shape.place(), surface);
     surface.light = state_.area_light.get();
     if (surface.light && current_object_) {
-        report(shape, "shapes of objects don't shine in pbrt: it is none of light");
+        report(shape, "pbrt ignores area lights in object instances: the shape does not emit light");
         surface.light = nullptr;
     }
     FloatInput alpha{1, -1, 1};

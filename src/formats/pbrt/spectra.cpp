@@ -77,7 +77,7 @@ std::vector<SpectrumPoint> spectrum_points(const Parameter& parameter, const std
     for (std::size_t i = 0; i + 1 < numbers.size(); i += 2) {
         if (!points.empty() && !(numbers[i] > points.back().wavelength))
             parameter.place.fail(
-                fmt::format("the wavelengths of the spectrum '{}' must ascend", printable(parameter.name)));
+                fmt::format("the wavelengths of the spectrum '{}' must increase", printable(parameter.name)));
         points.push_back({numbers[i], numbers[i + 1]});
     }
     return points;
@@ -113,17 +113,17 @@ Color Reader::color_value(const Parameters& of, const Parameter& p, bool of_ligh
         return c;
     }
     if (p.type == "blackbody") {
-        if (p.numbers.size() != 1 || !(p.numbers[0] > 0)) p.place.fail("a black body has a temperature above 0");
+        if (p.numbers.size() != 1 || !(p.numbers[0] > 0)) p.place.fail("a blackbody must have a temperature above 0");
         return of_luminance_one(color_of_black_body(p.numbers[0]));
     }
     if (p.type == "float" && p.numbers.size() == 1) return {p.numbers[0], p.numbers[0], p.numbers[0]};
-    if (p.type != "spectrum") p.place.fail(fmt::format("'{}' must be a colour or a spectrum", printable(p.name)));
+    if (p.type != "spectrum") p.place.fail(fmt::format("'{}' must be a color or a spectrum", printable(p.name)));
     std::vector<float> numbers = p.numbers;
     if (p.strings.size() == 1) {
         const std::string& name = p.strings[0];
         if (const NamedLight* light = find_light(name)) return of_chromaticity(light->x, light->y);
         if (is_named_spectrum(name)) {
-            report(of, fmt::format("the spectrum '{}' is no colour: grey 0.5 instead", printable(name)));
+            report(of, fmt::format("the spectrum '{}' is not a color: gray 0.5 is used", printable(name)));
             return {0.5f, 0.5f, 0.5f};
         }
         numbers = spectrum_file(p);
@@ -173,12 +173,12 @@ GlassIndex Reader::glass_index(const Parameters& of, std::string_view name, floa
     if (p->type == "spectrum" && p->strings.size() == 1) {
         const std::optional<GlassIndex> named = find_glass(p->strings[0]);
         if (!named && is_named_spectrum(p->strings[0]))
-            p->place.fail(fmt::format("the glass '{}' is not known", printable(p->strings[0])));
+            p->place.fail(fmt::format("the glass '{}' is unknown", printable(p->strings[0])));
         glass = named ? *named : glass_of(spectrum_points(*p, spectrum_file(*p)));
     } else if (p->type == "spectrum") {
         glass = glass_of(spectrum_points(*p, p->numbers));
     } else if (p->type == "rgb") {
-        report(of, fmt::format("glass refracts all colours alike: '{}' is taken in the middle", name));
+        report(of, fmt::format("an RGB '{}' gives no dispersion: its green value is used for all colors", name));
         glass.middle = color_value(of, *p, true).g;
     } else {
         glass.middle = of.number(name, otherwise);
@@ -190,8 +190,7 @@ GlassIndex Reader::glass_index(const Parameters& of, std::string_view name, floa
 float Reader::ior(const Parameters& of, std::string_view name, float otherwise)
 {
     const GlassIndex glass = glass_index(of, name, otherwise);
-    if (glass.abbe > 0)
-        report(of, fmt::format("'{}' is taken at 587.6 nm: what is not glass refracts all colours alike", name));
+    if (glass.abbe > 0) report(of, fmt::format("'{}' is evaluated at 587.6 nm: only glass supports dispersion", name));
     return float(glass.middle);
 }
 

@@ -47,7 +47,8 @@ double gamma_of(const Parameters& of, const std::string& encoding)
         if (std::from_chars(first, last, gamma).ptr != last) gamma = 0;
     }
     if (!(gamma > 0 && std::isfinite(gamma)))
-        of.fail(fmt::format("'encoding' is 'sRGB', 'linear' or 'gamma' with a number, not '{}'", printable(encoding)));
+        of.fail(fmt::format("'encoding' must be 'sRGB', 'linear' or 'gamma' with a number, found '{}'",
+                            printable(encoding)));
     return gamma;
 }
 
@@ -104,7 +105,8 @@ ColorInput Reader::texture(const Parameters& of, std::string_view parameter, boo
     auto& textures = is_float ? float_textures_ : color_textures_;
     const auto found = textures.find(name);
     if (found == textures.end())
-        p.place.fail(fmt::format("there is no texture '{}' of '{}'", printable(name), is_float ? "float" : "spectrum"));
+        p.place.fail(
+            fmt::format("there is no texture '{}' of type '{}'", printable(name), is_float ? "float" : "spectrum"));
     NamedTexture& named = found->second;
     if (named.input) return *named.input;
     if (named.is_open) p.place.fail("a texture can't contain itself");
@@ -163,7 +165,7 @@ ColorInput Reader::mixture(const NamedTexture& named)
     t.kind = TextureKind::facing;
     t.color_a = b, t.color_b = a;
     t.direction = named.world_from_texture.vector(of.vector("dir").value_or(Vec3d{0, 1, 0}));
-    if (!(length(t.direction) > 0)) of.fail("'dir' is no direction: all of it is 0");
+    if (!(length(t.direction) > 0)) of.fail("'dir' is not a direction: all components are 0");
     return {{1, 1, 1}, add_texture(t)};
 }
 
@@ -228,7 +230,8 @@ ColorInput Reader::procedural(const NamedTexture& named)
     } else if (type == "windy") {
         t.kind = TextureKind::windy;
     } else {
-        report(of, type == "ptex" ? "Ptex files are not read: grey 0.5 instead" : "is not known: grey 0.5 instead");
+        report(of, type == "ptex" ? "Ptex files are not supported: gray 0.5 is used"
+                                  : "is not supported: gray 0.5 is used");
         of.ignore({"filename", "encoding", "scale"});
         return {gray(0.5), -1};
     }
@@ -238,7 +241,7 @@ ColorInput Reader::procedural(const NamedTexture& named)
 Transform Reader::world_from_texture(const NamedTexture& named)
 {
     if (!std::isnormal(named.world_from_texture.determinant()))
-        named.plugin->fail("the transform that it is defined in leaves no volume");
+        named.plugin->fail("the texture's transform must be invertible");
     return named.world_from_texture;
 }
 
@@ -263,7 +266,7 @@ void Reader::set_mapping(const NamedTexture& named, Texture& texture, bool is_pi
         of.ignore({"uscale", "vscale", "udelta", "vdelta", "v1", "v2"});
         return;
     }
-    if (mapping != "uv") report(of, fmt::format("the mapping '{}' is taken as 'uv'", printable(mapping)));
+    if (mapping != "uv") report(of, fmt::format("the mapping '{}' is not supported: 'uv' is used", printable(mapping)));
     of.ignore({"v1", "v2"});
     const auto su = float(of.number("uscale", 1)), sv = float(of.number("vscale", 1)),
                du = float(of.number("udelta", 0)), dv = float(of.number("vdelta", 0));
@@ -279,7 +282,7 @@ void Reader::set_plane(const Parameters& of, Texture& texture, bool is_picture)
                 n = cross(s, t);
     Transform plane_from_texture;
     plane_from_texture.m = {{{s.x, s.y, s.z, 0}, {t.x, t.y, t.z, 0}, {n.x, n.y, n.z, 0}}};
-    if (!std::isnormal(plane_from_texture.determinant())) of.fail("'v1' and 'v2' span no plane");
+    if (!std::isnormal(plane_from_texture.determinant())) of.fail("'v1' and 'v2' don't span a plane");
     texture.mapping = TextureMapping::planar;
     texture.world_from_texture = texture.world_from_texture * plane_from_texture.inverse();
     const auto ds = float(of.number("udelta", 0)), dt = float(of.number("vdelta", 0));
@@ -295,7 +298,7 @@ ColorInput Reader::checkerboard(const NamedTexture& named)
     t.color_a = texture_operand(of, "tex1", named.is_float, 1);
     t.color_b = texture_operand(of, "tex2", named.is_float, 0);
     const int dimension = of.integer("dimension", 2);
-    if (dimension != 2 && dimension != 3) of.fail("'dimension' is 2 or 3");
+    if (dimension != 2 && dimension != 3) of.fail("'dimension' must be 2 or 3");
     if (dimension == 2) {
         t.kind = TextureKind::checker_uv;
         set_mapping(named, t, false);
@@ -332,8 +335,8 @@ ColorInput Reader::image_map(const NamedTexture& named)
         const double gamma = gamma_of(of, encoding);
         t.color_space = gamma == 1 ? ColorSpace::linear : ColorSpace::srgb;
         if (gamma > 0 && gamma != 1)
-            report(of, fmt::format("the encoding '{}' is taken as 'sRGB': off by up to {:.1g}", printable(encoding),
-                                   distance_to_srgb(gamma)));
+            report(of, fmt::format("the encoding '{}' is approximated by 'sRGB': the error is up to {:.1g}",
+                                   printable(encoding), distance_to_srgb(gamma)));
     }
     set_mapping(named, t, true);
     // Texture filtering makes no difference at many samples per pixel.
@@ -351,7 +354,8 @@ Wrap Reader::wrap_of(const Parameters& of, const std::string& name)
     if (name == "repeat") return Wrap::repeat;
     if (name == "black") return Wrap::black;
     if (name == "octahedralsphere") return Wrap::octahedral;
-    if (name != "clamp") report(of, fmt::format("the wrap '{}' is taken as 'clamp'", printable(name)));
+    if (name != "clamp")
+        report(of, fmt::format("the wrap mode '{}' is not supported: 'clamp' is used", printable(name)));
     return Wrap::clamp;
 }
 

@@ -24,7 +24,7 @@ std::array<double, 4> screen(const Parameters& camera, double aspect)
     const std::vector<float> said = camera.numbers("screenwindow");
     if (!said.empty()) {
         if (said.size() != 4 || !(said[1] > said[0]) || !(said[3] > said[2]))
-            camera.fail("'screenwindow' is four numbers: left, right, bottom, top");
+            camera.fail("'screenwindow' must be four numbers: left, right, bottom, top");
         return {said[0], said[1], said[2], said[3]};
     }
     // The shorter side spans [-1, 1].
@@ -38,9 +38,9 @@ void Reader::read_film(const Parameters& film)
 {
     const int width = film.integer("xresolution", 1280), height = film.integer("yresolution", 720);
     if (width < 1 || height < 1 || width > max_pixels || height > max_pixels)
-        film.fail(fmt::format("a film's size must be from 1 to {}", max_pixels));
+        film.fail(fmt::format("the film size must be from 1 to {}", max_pixels));
     read_crop(film, width, height);
-    if (film.plugin() != "rgb") report(film, "the picture has red, green and blue");
+    if (film.plugin() != "rgb") report(film, "is not supported: 'rgb' is used");
     film.ignore({"cropwindow", "pixelbounds", "filename", "savefp16", "diagonal"});
     const std::string sensor = film.text("sensor", "cie1931");
     const double iso = film.number("iso", 100);
@@ -54,18 +54,18 @@ void Reader::read_film(const Parameters& film)
     // instead of applying it.
     const double most = film.number("maxcomponentvalue", std::numeric_limits<double>::infinity());
     if (std::isfinite(most) && ratio > 0)
-        report(film,
-               fmt::format("'maxcomponentvalue' is left out, as it makes pictures darker: samples are as bright as "
-                           "they are; --clamp-indirect {:.4g} limits those of light by two surfaces or more",
-                           most / ratio));
+        report(film, fmt::format("'maxcomponentvalue' is ignored, because it darkens images: samples are not clamped; "
+                                 "--clamp-indirect {:.4g} clamps those of light from two surfaces or more",
+                                 most / ratio));
     if (sensor != "cie1931")
-        report(film, fmt::format("the sensor '{}' is taken as 'cie1931', without the colours of its filters",
-                                 printable(sensor)));
+        report(film,
+               fmt::format("the sensor '{}' is not supported: 'cie1931' is used, without the colors of its filters",
+                           printable(sensor)));
     // Fathom's default white corresponds to pbrt's white balance of 6500 K.
     if (const double kelvin = film.number("whitebalance", 0); kelvin != 0) {
         scene_.hints.white_balance = std::clamp(kelvin, min_white_kelvin, max_white_kelvin);
         if (kelvin != *scene_.hints.white_balance)
-            report(film, fmt::format("'whitebalance' is taken as {} K", *scene_.hints.white_balance));
+            report(film, fmt::format("'whitebalance' is out of range: {} K is used", *scene_.hints.white_balance));
     }
     film.finish(reporter_);
 }
@@ -77,14 +77,14 @@ void Reader::read_crop(const Parameters& film, int width, int height)
     const std::vector<float> window = film.numbers("cropwindow");
     std::array<int, 4> part = {0, width, 0, height};
     if (!bounds.empty()) {
-        if (bounds.size() != 4) film.fail("'pixelbounds' is four numbers: x0, x1, y0, y1");
+        if (bounds.size() != 4) film.fail("'pixelbounds' must be four numbers: x0, x1, y0, y1");
         for (int i = 0; i < 4; ++i) part[i] = std::clamp(bounds[i], 0, i < 2 ? width : height);
     } else if (!window.empty()) {
-        if (window.size() != 4) film.fail("'cropwindow' is four numbers from 0 to 1: x0, x1, y0, y1");
+        if (window.size() != 4) film.fail("'cropwindow' must be four numbers from 0 to 1: x0, x1, y0, y1");
         for (int i = 0; i < 4; ++i)
             part[i] = int(std::ceil((i < 2 ? width : height) * std::clamp(window[i], 0.f, 1.f)));
     }
-    if (part[0] >= part[1] || part[2] >= part[3]) film.fail("there is nothing in its crop");
+    if (part[0] >= part[1] || part[2] >= part[3]) film.fail("its crop is empty");
     scene_.hints.width = part[1] - part[0], scene_.hints.height = part[3] - part[2];
     film_size_ = {width, height};
     crop_ = part;
@@ -98,17 +98,17 @@ void Reader::read_filter(const Parameters& filter)
     scene_.hints.filter = is_triangle ? "tent" : is_own ? type : "blackman-harris";
     scene_.hints.filter_radius.reset();
     if (!is_own) {
-        report(filter, "the filter is 'blackman-harris' here: none has negative parts");
+        report(filter, "filters with negative lobes are not supported: 'blackman-harris' is used");
         filter.ignore({"xradius", "yradius", "B", "C", "tau"});
     } else {
         const double usual = is_triangle   ? 2
                              : is_gaussian ? 1.5
                                            : 0.5,
                      x = filter.number("xradius", usual), y = filter.number("yradius", usual);
-        if (x != y) report(filter, "the filter is as wide along y as along x");
+        if (x != y) report(filter, "different radii along x and y are not supported: the radius along x is used");
         // Fathom's radius is four standard deviations; the weight of pbrt's Gaussian beyond them is negligible.
         const double radius = is_gaussian ? 4 * filter.number("sigma", 0.5) : x;
-        if (!(radius > 0 && radius <= 64)) filter.fail("a filter reaches up to 64 pixels");
+        if (!(radius > 0 && radius <= 64)) filter.fail("the filter radius must be above 0 and at most 64 pixels");
         if (radius != (is_gaussian ? 2 : is_triangle ? 1 : 0.5)) scene_.hints.filter_radius = radius;
     }
     filter.finish(reporter_);
@@ -128,12 +128,12 @@ void Reader::read_sampler(const Parameters& sampler)
 void Reader::read_integrator(const Parameters& integrator)
 {
     const std::string& type = integrator.plugin();
-    if (type != "path" && type != "volpath") report(integrator, "paths are traced instead");
+    if (type != "path" && type != "volpath") report(integrator, "is not supported: path tracing is used");
     scene_.hints.max_depth = std::max(0, integrator.integer("maxdepth", 5));
     // Parameters of light sampling and of other integrators don't affect the expected image.
     if (type == "path" || type == "volpath") {
         integrator.ignore({"lightsampler"});
-        if (integrator.boolean("regularize", false)) report(integrator, "'regularize' is left out");
+        if (integrator.boolean("regularize", false)) report(integrator, "'regularize' is ignored");
         integrator.finish(reporter_);
     }
 }
@@ -158,12 +158,12 @@ void Reader::read_camera(const Parameters& of)
     const std::string& type = of.plugin();
     const Transform& world = world_from_camera_;
     const double determinant = world.determinant();
-    if (!std::isnormal(determinant)) of.fail("its transform flattens everything");
+    if (!std::isnormal(determinant)) of.fail("its transform must be invertible");
     // pbrt's cameras are left-handed: x right, y up, z forward. Images of spherical cameras are mirrored.
     mirrored_ = (determinant > 0) != (type == "spherical");
     const double said = of.number("frameaspectratio", 0);
     const double aspect = said > 0 ? said : double(film_size_[0]) / film_size_[1];
-    if (said > 0) report(of, "'frameaspectratio' is taken for the view alone: the picture has the film's size");
+    if (said > 0) report(of, "'frameaspectratio' applies to the view only: the image has the film's size");
     const std::array<double, 4> window = crop_window(screen(of, aspect));
     const double width = window[1] - window[0], height = window[3] - window[2];
     const double half_height = height / 2, scale = std::cbrt(std::abs(determinant));
@@ -180,15 +180,15 @@ void Reader::read_camera(const Parameters& of)
     } else if (type == "spherical") {
         const std::string mapping = of.text("mapping", "equalarea");
         if (mapping != "equalarea" && mapping != "equirectangular")
-            of.fail(fmt::format("'mapping' is 'equalarea' or 'equirectangular', not '{}'", printable(mapping)));
+            of.fail(fmt::format("'mapping' must be 'equalarea' or 'equirectangular', found '{}'", printable(mapping)));
         const bool equal = mapping == "equalarea";
         camera.kind = equal ? CameraKind::equal_area : CameraKind::spherical;
         camera.look_at = world.point(equal ? Vec3d{0, 0, -1} : Vec3d{-1, 0, 0});
         camera.shift_x = camera.shift_y = 0;
         if (crop_ != std::array<int, 4>{0, film_size_[0], 0, film_size_[1]})
-            report(of, "a crop of all directions is left out: all are in the picture");
+            report(of, "the crop of a spherical camera is ignored: the image shows all directions");
     } else if (type == "realistic") {
-        report(of, "the lens is taken as a thin one, of a film 35 mm across");
+        report(of, "the lens is approximated by a thin lens, with a film diagonal of 35 mm");
         const double focus = of.number("focusdistance", 10) * scale;
         camera.aperture = of.number("aperturediameter", 1) * 1e-3 * scale;
         camera.focus_distance = focus;
@@ -201,12 +201,12 @@ void Reader::read_camera(const Parameters& of)
         if (!(fov > 0) || !(fov < std::numbers::pi)) of.fail("'fov' must be above 0 and below 180 degrees");
         camera.fov_y = 2 * std::atan(std::tan(fov / 2) * half_height);
         if (type != "perspective") {
-            report(of, "is not known: a perspective one instead");
+            report(of, "is not supported: a perspective camera is used");
         }
     }
     if (type == "perspective" || type == "orthographic") {
         const double radius = of.number("lensradius", 0);
-        if (radius > 0 && type == "orthographic") report(of, "the lens of an orthographic camera is left out");
+        if (radius > 0 && type == "orthographic") report(of, "the lens of an orthographic camera is ignored");
         if (type == "perspective") camera.aperture = 2 * radius * scale;
         const double focus = of.number("focaldistance", 1e6);
         camera.focus_distance = radius > 0 ? focus * scale : 0;

@@ -78,7 +78,7 @@ TEST_F(Pbrt, CompressedScenesAreRead)
     const SceneDescription scene = load_scene(folder_ / "a.pbrt.gz", {}, warnings_);
     EXPECT_EQ(std::get<Sphere>(shape_of(scene).geometry).radius, 4);
     write("b.pbrt.gz", "\x1f\x8b\x08 no");
-    EXPECT_EQ(error_of(folder_ / "b.pbrt.gz"), "the compressed data are damaged or end too early");
+    EXPECT_EQ(error_of(folder_ / "b.pbrt.gz"), "the compressed data is damaged or truncated");
 }
 
 TEST_F(Pbrt, WhatNobodyReadsIsTold)
@@ -91,13 +91,13 @@ TEST_F(Pbrt, WhatNobodyReadsIsTold)
 TEST_F(Pbrt, MistakesAreToldWithTheirPlace)
 {
     EXPECT_EQ(error("Shape \"sphere\"\n AttributeBegin"),
-              "line 3, column 2: AttributeBegin is never followed by its AttributeEnd");
-    EXPECT_EQ(error("AttributeEnd"), "line 2, column 1: there is no AttributeBegin before it");
-    EXPECT_EQ(error("Shap \"sphere\""), "line 2, column 1: 'Shap' is no directive; did you mean 'Shape'?");
+              "line 3, column 2: AttributeBegin has no matching AttributeEnd");
+    EXPECT_EQ(error("AttributeEnd"), "line 2, column 1: there is no matching AttributeBegin before it");
+    EXPECT_EQ(error("Shap \"sphere\""), "line 2, column 1: 'Shap' is not a directive; did you mean 'Shape'?");
     EXPECT_EQ(error("Shape \"sphere\" \"flaot radius\" 2"),
-              "line 2, column 16: 'flaot' is no type of parameter; did you mean 'float'?");
+              "line 2, column 16: 'flaot' is not a parameter type; did you mean 'float'?");
     EXPECT_EQ(error("Shape \"sphere\" \"float radius\" [ 1 x ]"),
-              "line 2, column 35: 'x' is no value of 'float radius'");
+              "line 2, column 35: 'x' is not a value of 'float radius'");
     EXPECT_EQ(error("Shape \"sphere\" \"float radius\" [ 1 2"),
               "line 2, column 16: the values of 'radius' are not closed by ]");
     EXPECT_EQ(error("Shape \"sphere\" \"float radius\" [ 1 2 ]"), "line 2, column 16: 'radius' must be one number");
@@ -178,7 +178,7 @@ TEST_F(Pbrt, CamerasHaveLensesAndWindows)
     // The image of a spherical camera is mirrored.
     EXPECT_EQ(load("a.pbrt", "Camera \"spherical\" WorldBegin Shape \"sphere\"").roots.size(), 1u + 1u);
     camera("Camera \"realistic\" \"string lensfile\" \"a.dat\"");
-    EXPECT_TRUE(is_told("the lens is taken as a thin one"));
+    EXPECT_TRUE(is_told("the lens is approximated by a thin lens"));
 }
 
 /// Upper right quarter of a 400 x 200 film that shows -2 to 2 and -1 to 1.
@@ -196,7 +196,7 @@ TEST_F(Pbrt, CropsAreThePicture)
         EXPECT_NEAR(scene.cameras.at(0).shift_y, 0.5, 1e-9);
     }
     EXPECT_NE(error_of("a.pbrt", "Film \"rgb\" \"float cropwindow\" [ 0.5 0.5 0 1 ] WorldBegin Shape \"sphere\"")
-                  .find("there is nothing in its crop"),
+                  .find("its crop is empty"),
               std::string::npos);
 }
 
@@ -212,8 +212,9 @@ TEST_F(Pbrt, FilmsAndIntegratorsAreHints)
     EXPECT_EQ(scene.hints.exposure, 2);
     EXPECT_TRUE(warnings_.empty());
     load("a.pbrt", "Film \"spectral\" \"string sensor\" \"canon_eos_5d\" PixelFilter \"mitchell\" Integrator \"bdpt\"");
-    for (const char* words : {"the picture has red, green and blue", "the sensor 'canon_eos_5d'",
-                              "none has negative parts", "paths are traced instead"})
+    for (const char* words :
+         {"is not supported: 'rgb' is used", "the sensor 'canon_eos_5d'",
+          "filters with negative lobes are not supported", "is not supported: path tracing is used"})
         EXPECT_TRUE(is_told(words)) << words;
     EXPECT_FALSE(scene.hints.white_balance);
     EXPECT_EQ(load("a.pbrt", R"(Camera "perspective" "float shutterclose" 0.5
@@ -232,7 +233,7 @@ Film "rgb" "float whitebalance" 3200 "float maxcomponentvalue" 10 "float iso" 80
     // The clamp limits what the film records, which is four times the radiance.
     EXPECT_TRUE(is_told("--clamp-indirect 2.5"));
     EXPECT_EQ(load("a.pbrt", "Film \"rgb\" \"float whitebalance\" 500").hints.white_balance, 1000);
-    EXPECT_TRUE(is_told("'whitebalance' is taken as 1000 K"));
+    EXPECT_TRUE(is_told("'whitebalance' is out of range: 1000 K is used"));
 }
 
 }  // namespace

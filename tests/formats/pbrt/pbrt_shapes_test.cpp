@@ -42,14 +42,14 @@ TEST_F(Pbrt, EncodingsOfPictures)
     EXPECT_EQ(space("gamma 1"), ColorSpace::linear);
     EXPECT_FALSE(is_told("encoding"));
     EXPECT_EQ(space("gamma 2.2"), ColorSpace::srgb);
-    EXPECT_TRUE(is_told("'gamma 2.2' is taken as 'sRGB': off by up to 0.009"));
+    EXPECT_TRUE(is_told("'gamma 2.2' is approximated by 'sRGB': the error is up to 0.009"));
     space("gamma 1.8");
-    EXPECT_TRUE(is_told("'gamma 1.8' is taken as 'sRGB': off by up to 0.08"));
+    EXPECT_TRUE(is_told("'gamma 1.8' is approximated by 'sRGB': the error is up to 0.08"));
     EXPECT_NE(
         error_of("a.pbrt",
                  R"(WorldBegin Texture "t" "spectrum" "imagemap" "string filename" "a.png" "string encoding" "gamma x"
 Material "diffuse" "texture reflectance" "t" Shape "sphere")")
-            .find("'gamma' with a number, not 'gamma x'"),
+            .find("'gamma' with a number, found 'gamma x'"),
         std::string::npos);
 }
 
@@ -122,7 +122,7 @@ TEST_F(Pbrt, ProceduralTextures)
     expect_color(mix.base().color_b.value, 1, 0, 0);
     EXPECT_EQ(mix.base().direction, (Vec3d{3, 0, 4}));
     read("ptex", "");
-    EXPECT_TRUE(is_told("Ptex files are not read"));
+    EXPECT_TRUE(is_told("Ptex files are not supported"));
 }
 
 /// (s, t) of a texture's mapping at (u, v), computed from its parameters.
