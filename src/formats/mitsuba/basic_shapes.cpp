@@ -152,7 +152,8 @@ Shape Reader::cylinder(Object& shape, Node& node)
 {
     const Vec3d a = shape.vector("p0").value_or(Vec3d{0, 0, 0}), b = shape.vector("p1").value_or(Vec3d{0, 0, 1});
     const double radius = shape.number("radius", 1);
-    if (length(b - a) == 0 || !(radius > 0)) shape.element().fail("a cylinder needs two points and a radius above 0");
+    if (length(b - a) == 0 || !(radius > 0))
+        shape.element().fail("a cylinder needs two different points and a radius above 0");
     node.parent_from_node = node.parent_from_node * between(a, b, radius);
     Mesh mesh = turned({{1, 0, 1, 0, 0}, {1, 1, 1, 0, 1}}, circle, sides_of_circle);
     if (shape.boolean("flip_normals", false)) flip(mesh);

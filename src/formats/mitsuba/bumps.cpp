@@ -63,12 +63,12 @@ Material Reader::bumps(Object& bsdf)
     if (bsdf.type() == "bumpmap") return bumped(nested, {scale, map, luminance_channel});
     const Texture& picture = scene_.textures[std::size_t(map)];
     if (picture.kind != TextureKind::image) {
-        report(bsdf.element(), "a map that is no bitmap is left out");
+        report(bsdf.element(), "a normal map that is not a bitmap is not supported and is ignored");
         return nested;
     }
     if (picture.color_space == ColorSpace::srgb)
         report(*maps[0],
-               "8- and 16-bit normals are decoded from sRGB, as in Mitsuba: most files mean 'raw' to be true");
+               "8- and 16-bit normals are decoded from sRGB, as in Mitsuba: most normal maps need 'raw' to be true");
     bsdf.ignore({"flip_invalid_normals", "use_shadowing_function"});
     return normal_mapped(nested, map);
 }

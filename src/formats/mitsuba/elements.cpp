@@ -59,7 +59,7 @@ public:
         for (const auto& [alias, element] : aliases_) {
             const auto found = document_.by_id.find(element->attribute("id"));
             if (found == document_.by_id.end())
-                element->fail(fmt::format("there is nothing with the id '{}'", printable(element->attribute("id"))));
+                element->fail(fmt::format("no element has the id '{}'", printable(element->attribute("id"))));
             document_.by_id.emplace(alias, found->second);
         }
         return std::move(document_);
@@ -95,14 +95,14 @@ private:
         if (!result) {
             const Place place = source.place(result.offset);
             throw Error(*source.file, fmt::format("line {}, column {}", place.line, place.column),
-                        fmt::format("no XML: {}", result.description()));
+                        fmt::format("not XML: {}", result.description()));
         }
         const pugi::xml_node root = xml.document_element();
         const bool is_scene = std::string_view(root.name()) == "scene";
         if (!(is_scene || (depth > 0 && is_object(root.name()))) || !root.attribute("version"))
-            throw Error(
-                *source.file, fmt::format("line {}", source.place(root.offset_debug()).line),
-                fmt::format("a Mitsuba scene begins with <scene version=\"...\">, found <{}>", printable(root.name())));
+            throw Error(*source.file, fmt::format("line {}", source.place(root.offset_debug()).line),
+                        fmt::format("a Mitsuba scene must begin with <scene version=\"...\">, found <{}>",
+                                    printable(root.name())));
         source.has_legacy_names = root.attribute("version").as_int() < 2;
         if (!is_scene) {
             source.name = name;
@@ -118,7 +118,7 @@ private:
             if (node.type() == pugi::node_pcdata) {
                 Element text;
                 text.place = source.place(node.offset_debug());
-                text.fail(fmt::format("text that is no element: '{}'", printable(node.value())));
+                text.fail(fmt::format("unexpected text outside of elements: '{}'", printable(node.value())));
             }
             return;
         }
@@ -220,7 +220,7 @@ private:
         if (!id.empty() && element.tag != "ref" && element.tag != "alias") {
             const auto [found, is_new] = document_.by_id.emplace(id, &element);
             if (!is_new)
-                element.fail(fmt::format("the id '{}' is taken already: {}", printable(id), found->second->where()));
+                element.fail(fmt::format("the id '{}' is already used: {}", printable(id), found->second->where()));
         }
         for (const auto& child : element.children) register_ids(*child);
     }
@@ -256,7 +256,7 @@ const Element& Document::find(const Element& reference) const
 {
     const auto found = by_id.find(reference.attribute("id"));
     if (found != by_id.end()) return *found->second;
-    reference.fail(fmt::format("there is nothing with the id '{}'{}", printable(reference.attribute("id")),
+    reference.fail(fmt::format("no element has the id '{}'{}", printable(reference.attribute("id")),
                                suggestion_of(reference.attribute("id"), by_id)));
 }
 

@@ -84,7 +84,7 @@ void Reader::add_beam(const Element& element, Object& shape, Node& node)
 {
     const std::string& type = shape.type();
     if (type != "rectangle" && type != "disk")
-        return report(element, "light along the normals of what is neither a rectangle nor a disk is left out");
+        return report(element, "'directionalarea' is supported on rectangles and disks only: it is ignored");
     Object emitter(element, document_);
     Light light;
     light.name = element.attribute("id");
@@ -145,7 +145,7 @@ void Reader::read_emitter(const Element& element)
         const auto direction = emitter.vector("direction");
         add_light(light, direction ? towards(*direction) : rotation_of(emitter.transform("to_world")));
     } else {
-        report(element, "is not known: it is left out");
+        report(element, "is not supported and is ignored");
         return;
     }
     emitter.ignore({"sampling_weight"});
@@ -157,13 +157,13 @@ std::optional<LightPicture> Reader::light_picture(const Element& texture)
 {
     Object object(texture, document_);
     if (texture.tag != "texture" || object.type() != "bitmap") {
-        report(texture, "a texture other than a bitmap is no picture for a light: left out");
+        report(texture, "a light's image must be a bitmap: other textures are ignored");
         return std::nullopt;
     }
     Texture read = scene_.textures[std::size_t(this->texture(texture, false))];
     const bool is_moved =
         read.uv_scale.x != 1 || read.uv_scale.y != 1 || read.uv_offset.x != 0 || read.uv_offset.y != 0;
-    if (is_moved || read.uv_rotation != 0) report(texture, "'to_uv' of a light's picture is left out");
+    if (is_moved || read.uv_rotation != 0) report(texture, "'to_uv' of a light's image is ignored");
     return LightPicture{read.image, read.color_space, read.nearest};
 }
 

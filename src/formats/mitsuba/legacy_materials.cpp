@@ -40,7 +40,7 @@ Material Reader::phong(Object& bsdf)
     if (bsdf.type() == "phong") {
         FloatInput exponent = number_or_texture(bsdf, "exponent", 30);
         if (exponent.texture >= 0) {
-            report(bsdf.element(), "a texture as 'exponent' is taken as 30");
+            report(bsdf.element(), "a texture as 'exponent' is not supported: 30 is used");
             exponent = {30, -1, 0};
         }
         gloss.beckmann = true, gloss.energy_compensation = false, gloss.separable = true;
@@ -61,7 +61,7 @@ Material Reader::phong(Object& bsdf)
         if (share < 1) tint(gloss, specular);
         return gloss;
     }
-    report(bsdf.element(), "is taken as what is diffuse beside rough metal");
+    report(bsdf.element(), "is approximated by a mix of a diffuse material and rough metal");
     Material both;
     both.kind = MaterialKind::mix;
     both.factor = {share, -1, 0};
@@ -99,12 +99,12 @@ Material Reader::mixture(Object& bsdf)
     const std::vector<const Element*> nested = bsdf.children("bsdf");
     const std::vector<double> weights = numbers_of(bsdf.element(), bsdf.text("weights", ""));
     if (nested.empty() || weights.size() != nested.size())
-        bsdf.element().fail(fmt::format("a 'mixturebsdf' has as many 'weights' as bsdfs, found {} and {}",
+        bsdf.element().fail(fmt::format("a 'mixturebsdf' must have as many 'weights' as bsdfs, found {} and {}",
                                         weights.size(), nested.size()));
     double total = weights.back();
     int rest = material(*nested.back());
     for (std::size_t i = nested.size() - 1; i-- > 0;) {
-        if (!(weights[i] >= 0)) bsdf.element().fail("the 'weights' of bsdfs are at least 0");
+        if (!(weights[i] >= 0)) bsdf.element().fail("the 'weights' of bsdfs must be at least 0");
         Material both;
         both.kind = MaterialKind::mix;
         both.material_a = material(*nested[i]), both.material_b = rest;

@@ -56,7 +56,7 @@ double taken_number(Element& element, std::string_view name, double otherwise)
     const std::string value = taken(element, name);
     if (value.empty()) return otherwise;
     const std::vector<double> numbers = numbers_of(element, value);
-    if (numbers.size() != 1) element.fail(fmt::format("'{}' is a number", name));
+    if (numbers.size() != 1) element.fail(fmt::format("'{}' must be a number", name));
     return numbers[0];
 }
 

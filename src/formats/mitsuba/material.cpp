@@ -119,10 +119,10 @@ Material Reader::read_bsdf(const Element& element)
     } else if (const auto found = readers.find(type); found != readers.end()) {
         result = (this->*found->second)(bsdf);
     } else if (!bsdf.children("bsdf").empty()) {
-        report(element, "is not known: what is in it is taken alone");
+        report(element, "is not supported: its nested bsdf is used");
         return read_nested(bsdf);
     } else {
-        report(element, fmt::format("is not known: grey diffuse instead{}", suggestion_of(type, readers)));
+        report(element, fmt::format("is not supported: gray diffuse is used{}", suggestion_of(type, readers)));
         result.base_color = {{0.5f, 0.5f, 0.5f}, -1};
         return result;
     }
@@ -207,8 +207,7 @@ Material Reader::conductor(Object& bsdf)
         if (metal != std::end(metals))
             take(*metal);
         else
-            report(bsdf.element(),
-                   fmt::format("the metal '{}' is not known: a perfect mirror instead", printable(name)));
+            report(bsdf.element(), fmt::format("the metal '{}' is unknown: a perfect mirror is used", printable(name)));
     }
     m.base_color = {colors.base, -1}, m.edge_color = {colors.edge, -1};
     if (bsdf.has("specular_reflectance")) tint(m, color(bsdf, "specular_reflectance", {1, 1, 1}));
@@ -227,8 +226,7 @@ double Reader::ior(Object& bsdf, std::string_view name, double otherwise)
         if (text == n.name) return n.ior;
         names.emplace_back(n.name);
     }
-    found->fail(
-        fmt::format("the index of refraction of '{}' is not known{}", printable(text), suggestion(text, names)));
+    found->fail(fmt::format("the index of refraction of '{}' is unknown{}", printable(text), suggestion(text, names)));
 }
 
 double Reader::relative_ior(Object& bsdf, double inside, double outside)
@@ -249,7 +247,9 @@ Material Reader::dielectric(Object& bsdf)
     if (bsdf.type() == "roughdielectric") {
         read_roughness(bsdf, m);
         if (m.two_roughnesses || m.anisotropy.value > 0)
-            report(bsdf.element(), "glass is as rough along u as it is along v, or as in its smoother direction");
+            report(
+                bsdf.element(),
+                "anisotropic roughness of glass is not supported: the roughness along v, or the smaller one, is used");
         m.two_roughnesses = false, m.anisotropy = {0, -1, 0};
     }
     // Mitsuba applies the transmittance at each crossing of the boundary, Fathom's color to the pair of entry and exit.
@@ -331,7 +331,7 @@ Material Reader::principled(Object& bsdf)
     if (bsdf.has("eta")) {
         const FloatInput eta = number_or_texture(bsdf, "eta", 1.5f);
         if (eta.texture >= 0)
-            report(bsdf.element(), "a texture as 'eta' is taken as 1.5");
+            report(bsdf.element(), "a texture as 'eta' is not supported: 1.5 is used");
         else
             ior = double(eta.value);
     } else {
@@ -377,7 +377,7 @@ void Reader::read_interior(const Element& element, Material& m)
 {
     Object medium(element, document_);
     if (medium.type() != "homogeneous") {
-        report(element, fmt::format("the medium '{}' is not rendered yet: nothing is there", printable(medium.type())));
+        report(element, fmt::format("the medium '{}' is not supported: it is ignored", printable(medium.type())));
         return;
     }
     const double scale = medium.number("scale", 1);
@@ -392,7 +392,7 @@ void Reader::read_interior(const Element& element, Material& m)
     medium.finish(context_.warnings);
     if (!(scale > 0)) return;
     if (is_null_interface(m)) m = index_matched_boundary();
-    if (m.kind != MaterialKind::glass) return report(element, "is not rendered in what is not glass");
+    if (m.kind != MaterialKind::glass) return report(element, "is supported inside glass only: it is ignored");
     m.transmission_scatter_bounces = true;
     const auto absorbed = [&](float t, float a) { return float(double(t) * scale * (1 - a)); };
     const auto scattered = [&](float t, float a) { return float(double(t) * scale * a); };
@@ -434,7 +434,8 @@ int Reader::material_of_shape(Object& shape)
     if (emitter && emitter->type() != "directionalarea") {
         Object area(*emitter, document_);
         if (area.type() != "area")
-            report(*emitter, fmt::format("the emitter '{}' of a shape is taken as 'area'", printable(area.type())));
+            report(*emitter,
+                   fmt::format("the emitter '{}' of a shape is not supported: 'area' is used", printable(area.type())));
         m = with_emission(std::move(m), color(area, "radiance", {1, 1, 1}));
         area.ignore({"sampling_weight"});
         area.finish(context_.warnings);

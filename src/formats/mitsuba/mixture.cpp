@@ -28,7 +28,7 @@ bool are_plain(const Material& a, const Material& b)
 Material Reader::read_nested(Object& bsdf)
 {
     const std::vector<const Element*> nested = bsdf.children("bsdf");
-    if (nested.empty()) bsdf.element().fail(fmt::format("{} needs a bsdf in it", bsdf.title()));
+    if (nested.empty()) bsdf.element().fail(fmt::format("{} needs a nested bsdf", bsdf.title()));
     return scene_.materials[std::size_t(material(*nested[0]))];
 }
 
@@ -57,7 +57,7 @@ Material Reader::two_sided(Object& bsdf)
 Material Reader::blend(Object& bsdf)
 {
     const std::vector<const Element*> nested = bsdf.children("bsdf");
-    if (nested.size() != 2) bsdf.element().fail("a 'blendbsdf' has two bsdfs in it");
+    if (nested.size() != 2) bsdf.element().fail("a 'blendbsdf' needs two nested bsdfs");
     const FloatInput weight = number_or_texture(bsdf, "weight", 0.5f);
     Material mixture;
     mixture.kind = MaterialKind::mix;

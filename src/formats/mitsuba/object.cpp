@@ -43,7 +43,7 @@ Vec3d vector_of(const Element& element, double otherwise)
 Vec3d three_numbers(const Element& element, std::string_view name)
 {
     const std::vector<double> v = numbers_of(element, element.attribute(name));
-    if (v.size() != 3) element.fail(fmt::format("'{}' has three numbers, found {}", name, v.size()));
+    if (v.size() != 3) element.fail(fmt::format("'{}' must have three numbers, found {}", name, v.size()));
     return {v[0], v[1], v[2]};
 }
 
@@ -55,7 +55,7 @@ Transform look_at(const Element& element)
     Vec3d up = element.has("up") ? three_numbers(element, "up") : Vec3d{0, 0, 0};
     if (length(up) == 0) up = std::abs(forward.x) > std::abs(forward.y) ? Vec3d{0, 1, 0} : Vec3d{1, 0, 0};
     const Vec3d left = normalize(cross(up, forward)), above = cross(forward, left);
-    if (length(forward) == 0 || length(left) == 0) element.fail("origin, target and up say no direction");
+    if (length(forward) == 0 || length(left) == 0) element.fail("origin, target and up don't define an orientation");
     Transform t;
     const Vec3d columns[] = {left, above, forward, origin};
     for (std::size_t c = 0; c < 4; ++c) t.m[0][c] = columns[c].x, t.m[1][c] = columns[c].y, t.m[2][c] = columns[c].z;
@@ -70,9 +70,9 @@ Transform matrix_of(const Element& element)
         for (std::size_t i = 0; i < 9; ++i) t.m[i / 3][i % 3] = v[i];
         return t;
     }
-    if (v.size() != 16) element.fail(fmt::format("a matrix has 16 numbers, or 9, found {}", v.size()));
+    if (v.size() != 16) element.fail(fmt::format("a matrix must have 16 or 9 numbers, found {}", v.size()));
     if (v[12] != 0 || v[13] != 0 || v[14] != 0 || v[15] == 0)
-        element.fail("the last row of a matrix must be 0 0 0 1: perspective is for cameras");
+        element.fail("the last row of a matrix must be 0 0 0 1: perspective belongs to cameras");
     for (std::size_t i = 0; i < 12; ++i) t.m[i / 4][i % 4] = v[i] / v[15];
     return t;
 }
@@ -83,12 +83,12 @@ Transform step_of(const Element& element)
     if (element.tag == "scale") return Transform::scale(vector_of(element, 1));
     if (element.tag == "rotate") {
         const Vec3d axis = vector_of(element, 0);
-        if (length(axis) == 0) element.fail("a rotation about no axis: give one of x, y and z");
+        if (length(axis) == 0) element.fail("a rotation needs an axis: give x, y or z");
         return Transform::rotate(axis, number_of(element, element.attribute("angle")) * std::numbers::pi / 180);
     }
     if (element.tag == "lookat") return look_at(element);
     if (element.tag == "matrix") return matrix_of(element);
-    element.fail(fmt::format("<{}> is no step of a transform", printable(element.tag)));
+    element.fail(fmt::format("<{}> is not a step of a transform", printable(element.tag)));
 }
 
 }  // namespace
@@ -140,7 +140,7 @@ double Object::number(std::string_view name, double otherwise)
 {
     const Element* const found = use(name);
     if (!found) return otherwise;
-    if (!found->has("value")) found->fail(fmt::format("'{}' is a number here", name));
+    if (!found->has("value")) found->fail(fmt::format("'{}' must be a number here", name));
     return number_of(*found, found->attribute("value"));
 }
 
@@ -148,7 +148,7 @@ int Object::integer(std::string_view name, int otherwise)
 {
     const double value = number(name, otherwise);
     if (value != std::floor(value) || std::abs(value) > 1e9)
-        find(name)->fail(fmt::format("'{}' is a whole number", name));
+        find(name)->fail(fmt::format("'{}' must be a whole number", name));
     return int(value);
 }
 

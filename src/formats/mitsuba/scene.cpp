@@ -80,13 +80,13 @@ void Reader::read_integrator(const Element& element)
     Object integrator(element, document_);
     // Integrators such as `aov` or `moment` that wrap another one.
     if (const std::vector<const Element*> nested = integrator.children("integrator"); !nested.empty()) {
-        report(element, "the picture is that of the integrator in it");
+        report(element, "only the nested integrator is used");
         return read_integrator(*nested[0]);
     }
     const std::string& type = integrator.type();
     const bool direct = type == "direct";
     if (type != "path" && type != "volpath" && type != "volpathmis" && !direct)
-        report(element, "paths are traced instead");
+        report(element, "is not supported: path tracing is used");
     // Mitsuba's max_depth counts path segments including the one to the light; Fathom counts scattering vertices.
     const int depth = direct ? 2 : integrator.integer("max_depth", -1);
     if (depth >= 0) scene_.hints.max_depth = std::max(0, depth - 1);
@@ -110,7 +110,7 @@ void Reader::read_film(const Element& element)
     scene_.hints.height = film.integer("height", 576);
     if (*scene_.hints.width < 1 || *scene_.hints.height < 1 || *scene_.hints.width > 1 << 20 ||
         *scene_.hints.height > 1 << 20)
-        element.fail("a film's size must be from 1 to 1048576");
+        element.fail("the film size must be from 1 to 1048576");
     read_crop(film);
     film.ignore({"file_format", "pixel_format", "component_format", "sample_border", "compensate", "banner", "gamma",
                  "variant", "high_quality_edges", "attach_log"});
@@ -122,14 +122,14 @@ void Reader::read_film(const Element& element)
         scene_.hints.filter = is_own ? type : "blackman-harris";
         scene_.hints.filter_radius.reset();
         if (!is_own) {
-            report(*filter, "the filter is 'blackman-harris' here: none has negative parts");
+            report(*filter, "filters with negative lobes are not supported: 'blackman-harris' is used");
             of.ignore({"B", "C", "lobes"});
         }
         // Both renderers truncate the Gaussian at four standard deviations.
         const double radius = type == "gaussian" ? 4 * of.number("stddev", 0.5)
                               : type == "box"    ? of.number("radius", 0.5)
                                                  : of.number("radius", 1);
-        if (!(radius > 0 && radius <= 64)) filter->fail("a filter reaches up to 64 pixels");
+        if (!(radius > 0 && radius <= 64)) filter->fail("the filter radius must be above 0 and at most 64 pixels");
         if (is_own && radius != (type == "gaussian" ? 2 : type == "box" ? 0.5 : 1)) scene_.hints.filter_radius = radius;
         of.finish(context_.warnings);
     }
@@ -144,7 +144,7 @@ void Reader::read_crop(Object& film)
               width = film.integer("crop_width", film_width_ - x),
               height = film.integer("crop_height", film_height_ - y);
     if (x < 0 || y < 0 || width < 1 || height < 1 || width > film_width_ - x || height > film_height_ - y)
-        film.element().fail(fmt::format("the crop of {}x{} from {}, {} on is not within the film of {}x{}", width,
+        film.element().fail(fmt::format("the crop of {}x{} pixels at {}, {} is not inside the film of {}x{}", width,
                                         height, x, y, film_width_, film_height_));
     scene_.hints.width = width, scene_.hints.height = height;
     crop_middle_ = {x + width / 2.0, y + height / 2.0};
@@ -180,7 +180,7 @@ Reader::FieldOfView Reader::field_of_view(Object& object)
     std::string text = object.text("focal_length", "50mm");
     if (text.ends_with("mm")) text.resize(text.size() - 2);
     const std::vector<double> f = numbers_of(object.element(), text);
-    if (f.size() != 1 || !(f[0] > 0)) object.element().fail("'focal_length' is a length in mm, as in 50mm");
+    if (f.size() != 1 || !(f[0] > 0)) object.element().fail("'focal_length' must be a length in mm, such as 50mm");
     return {2 * std::atan(std::hypot(36, 24) / 2 / f[0]), FovAxis::diagonal};
 }
 
@@ -204,7 +204,7 @@ void Reader::read_sensor(const Element& element)
     }
     const std::string& type = sensor.type();
     if (type != "perspective" && type != "thinlens" && type != "orthographic") {
-        report(element, "is not known: it is left out");
+        report(element, "is not supported and is ignored");
         return;
     }
     const double aspect = double(film_width_) / film_height_;
@@ -214,7 +214,7 @@ void Reader::read_sensor(const Element& element)
     camera.position = world.point({0, 0, 0});
     camera.look_at = world.point({0, 0, 1});
     camera.up = normalize(world.vector({0, 1, 0}));
-    if (world.determinant() < 0) report(element, "a camera that mirrors is taken as one that does not");
+    if (world.determinant() < 0) report(element, "mirroring by a camera's transform is not supported and is ignored");
     if (type == "orthographic") {
         camera.kind = CameraKind::orthographic;
         camera.height = 2 * length(world.vector({1, 0, 0})) / aspect;

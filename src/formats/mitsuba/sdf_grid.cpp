@@ -26,20 +26,21 @@ public:
         constexpr std::size_t header = 48;
         const auto fail = [&](const std::string& message) { throw Error(file, "", message); };
         if (bytes.size() < header || bytes.substr(0, 3) != "VOL" || bytes[3] != 3)
-            fail("this is no volume file: it must begin with 'VOL' and version 3");
+            fail("this is not a volume file: it must begin with 'VOL' and version 3");
         std::int32_t words[5];
         std::memcpy(words, bytes.data() + 4, sizeof words);
         if (words[0] != 1) fail("its numbers are not 32-bit floats");
-        if (words[4] != 1) fail(fmt::format("it has {} channels: distances are one", words[4]));
+        if (words[4] != 1) fail(fmt::format("it has {} channels: a distance field has one", words[4]));
         std::size_t count = 1;
         for (std::size_t k = 0; k < 3; ++k) {
             size_[k] = words[k + 1];
             if (size_[k] < 2 || size_[k] > 4096)
-                fail(fmt::format("{} numbers along an axis: from 2 to 4096", size_[k]));
+                fail(fmt::format("{} numbers along an axis: 2 to 4096 are supported", size_[k]));
             count *= std::size_t(size_[k]);
         }
         if (bytes.size() - header != count * sizeof(float))
-            fail(fmt::format("it holds {} bytes of numbers, not {}", bytes.size() - header, count * sizeof(float)));
+            fail(fmt::format("it contains {} bytes of numbers, expected {}", bytes.size() - header,
+                             count * sizeof(float)));
         values_.resize(count);
         std::memcpy(values_.data(), bytes.data() + header, count * sizeof(float));
         for (const float value : values_)
@@ -254,7 +255,7 @@ Mesh sdf_mesh(const std::string& file, std::string_view bytes, bool smooth)
     Surface surface(grid, parts);
     if (!surface.fits()) throw Error(file, "", "the grid is too large");
     Mesh mesh = surface.mesh();
-    if (mesh.indices.empty()) throw Error(file, "", "there is no surface in it: no cell has distances of both signs");
+    if (mesh.indices.empty()) throw Error(file, "", "it contains no surface: no cell has distances of both signs");
     // The whole surface has one texture coordinate.
     mesh.uvs[0].assign(mesh.positions.size(), {0, 0});
     if (smooth)

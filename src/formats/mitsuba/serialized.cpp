@@ -78,7 +78,7 @@ private:
             const int result = inflate(&stream_, Z_SYNC_FLUSH);
             if (stream_.avail_out == 0) return;
             if (result == Z_OK && (stream_.avail_in > 0 || left_ > 0)) continue;
-            fail(result == Z_STREAM_END || stream_.avail_in == 0 ? "ends too early" : "its deflated data is damaged");
+            fail(result == Z_STREAM_END || stream_.avail_in == 0 ? "is truncated" : "its deflated data is damaged");
         }
     }
 
@@ -125,9 +125,9 @@ SerializedFile::SerializedFile(std::string file, std::string bytes) : file_(std:
 {
     const auto fail = [&](const char* message) { throw Error(file_, "", message); };
     if (bytes_.size() < header_bytes + 4 || at<std::uint16_t>(bytes_, 0) != sign)
-        fail("is no file of serialized meshes");
+        fail("is not a file of serialized meshes");
     const int version = at<std::uint16_t>(bytes_, 2);
-    if (version != 3 && version != 4) fail("is of a version of serialized meshes that is not known: 3 and 4 are");
+    if (version != 3 && version != 4) fail("has an unsupported version of serialized meshes: 3 and 4 are supported");
     const std::size_t count = at<std::uint32_t>(bytes_, bytes_.size() - 4);
     const std::size_t each = version == 4 ? 8 : 4;
     if (count == 0 || count > (bytes_.size() - 4) / each) fail("its list of meshes is damaged");
@@ -158,14 +158,14 @@ Mesh SerializedFile::mesh(std::size_t index) const
             if (mesh.name.size() < 1000) mesh.name += c;
     const auto vertices = in.value<std::uint64_t>(), triangles = in.value<std::uint64_t>();
     constexpr std::uint64_t most = std::numeric_limits<std::uint32_t>::max() / 3;
-    if (vertices > most || triangles > most) in.fail("has more vertices or triangles than are known here");
+    if (vertices > most || triangles > most) in.fail("has more vertices or triangles than are supported");
     if (flags & is_double)
         read_vertices<double>(in, flags, vertices, mesh);
     else
         read_vertices<float>(in, flags, vertices, mesh);
     mesh.indices = in.values<std::uint32_t>(3 * triangles);
     for (std::uint32_t i : mesh.indices)
-        if (i >= vertices) in.fail(fmt::format("has a triangle of vertex {}, but only {} vertices", i, vertices));
+        if (i >= vertices) in.fail(fmt::format("has a triangle with vertex {}, but only {} vertices", i, vertices));
     return mesh;
 }
 

@@ -78,7 +78,7 @@ void Reader::read_shape(const Element& element, std::vector<int>& roots)
             for (const Element* nested : shape.children("shape")) read_shape(*nested, node.children);
         } else {
             for (const Element* group : shape.children("shape")) {
-                if (group->type() != "shapegroup") group->fail("an instance is one of a 'shapegroup'");
+                if (group->type() != "shapegroup") group->fail("an instance must refer to a 'shapegroup'");
                 Object members(*group, document_);
                 read_group(members, node.children);
             }
@@ -111,7 +111,7 @@ void Reader::read_group(Object& group, std::vector<int>& roots)
         std::vector<int> members;
         for (const Element* nested : group.children("shape")) {
             if (nested->type() == "instance" || nested->type() == "shapegroup")
-                nested->fail("groups of shapes can't hold instances");
+                nested->fail("shape groups can't contain instances");
             read_shape(*nested, members);
         }
         group.finish(context_.warnings);
@@ -134,7 +134,7 @@ std::optional<Shape> Reader::read_geometry(Object& shape, Node& node)
     if (type == "sphere") return sphere(shape, node);
     if (type == "disk") return disk(shape);
     if (type == "cube") return cube(shape);
-    report(shape.element(), "is not known: it is left out");
+    report(shape.element(), "is not supported and is ignored");
     return std::nullopt;
 }
 
@@ -209,7 +209,8 @@ std::string Reader::attribute_of(Object& shape)
         if (name.empty())
             name = found->second;
         else
-            report(shape.element(), fmt::format("of a mesh's attributes only one is looked up, '{}'", printable(name)));
+            report(shape.element(),
+                   fmt::format("only one attribute of a mesh is supported: '{}' is used", printable(name)));
     });
     return name;
 }
@@ -222,13 +223,13 @@ Mesh Reader::ply_mesh(Object& shape, const std::string& file, const std::string&
     if (!attribute.empty()) colors.name = attribute.substr((colors.of_faces ? of_faces : of_vertices).size());
     InputFile input = context_.open(file);
     PlyData data = read_ply_data(input, colors);
-    if (data.mesh.indices.empty()) throw Error(file, "", "there are no triangles in it");
-    context_.warnings.add(file + ": faces with fewer than three corners are left out", data.bad_faces);
+    if (data.mesh.indices.empty()) throw Error(file, "", "it contains no triangles");
+    context_.warnings.add(file + ": faces with fewer than three vertices are ignored", data.bad_faces);
     // Fathom's reader flips v; Mitsuba doesn't by default.
     Mesh mesh = finished(std::move(data.mesh), shape, !shape.boolean("flip_tex_coords", false));
     if (colors.of_faces && !data.face_colors.empty()) set_face_colors(mesh, data.face_colors);
     if (!attribute.empty() && mesh.colors.empty())
-        report(shape.element(), fmt::format("the mesh has no '{}': it is white", printable(attribute)));
+        report(shape.element(), fmt::format("the mesh has no '{}': white is used", printable(attribute)));
     mesh.name = std::filesystem::path(file).stem().string();
     clean_mesh(mesh, file, context_.mesh_faults);
     return mesh;
@@ -277,7 +278,7 @@ std::optional<Shape> Reader::sdf_grid(Object& shape)
 {
     const std::string file = file_of(shape).string(), normals = shape.text("normals", "smooth");
     if (normals != "smooth" && normals != "analytic")
-        shape.element().fail(fmt::format("normals are 'smooth' or 'analytic', not '{}'", printable(normals)));
+        shape.element().fail(fmt::format("normals must be 'smooth' or 'analytic', found '{}'", printable(normals)));
     const Key key{nullptr, file + '\n' + normals};
     if (const auto known = meshes_.find(key); known != meshes_.end()) return Shape{MeshInstance{known->second}, -1, {}};
     try {
@@ -302,7 +303,8 @@ std::optional<Shape> Reader::curves(Object& shape)
     TextScanner scan(file, text);
     std::uint32_t points = 0;
     const auto end_curve = [&] {
-        if (points > 0 && points < least) scan.fail(fmt::format("a curve of {} points: it needs {}", points, least));
+        if (points > 0 && points < least)
+            scan.fail(fmt::format("a curve has {} points, but needs at least {}", points, least));
         if (points > 0) curves.counts.push_back(std::exchange(points, 0));
     };
     for (; !scan.at_end(); scan.next_line()) {
@@ -317,7 +319,7 @@ std::optional<Shape> Reader::curves(Object& shape)
         ++points;
     }
     end_curve();
-    if (curves.counts.empty()) scan.fail("there are no curves in it");
+    if (curves.counts.empty()) scan.fail("it contains no curves");
     scene_.curves.push_back(std::move(curves));
     return Shape{CurvesInstance{int(scene_.curves.size()) - 1}, -1, {}};
 }

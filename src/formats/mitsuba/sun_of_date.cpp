@@ -13,7 +13,7 @@ SunAngles sun_of_date(const Element& sky, const std::function<double(std::string
     const auto whole = [&](std::string_view name, int otherwise, int least, int most) {
         const double value = number(name, otherwise);
         if (!(value >= least && value <= most) || value != std::floor(value))
-            sky.fail("the sun's date has a year from 1900 on, a month from 1 to 12 and a day from 1 to 31");
+            sky.fail("the sun's date must have a year of at least 1900, a month from 1 to 12 and a day from 1 to 31");
         return int(value);
     };
     const int year = whole("year", 2010, 1900, 9999), month = whole("month", 7, 1, 12), day = whole("day", 10, 1, 31);

@@ -16,7 +16,7 @@ namespace {
 Color three(const Element& element, const std::vector<double>& v)
 {
     if (v.size() == 1) return {float(v[0]), float(v[0]), float(v[0])};
-    if (v.size() != 3) element.fail(fmt::format("a colour has one number or three, found {}", v.size()));
+    if (v.size() != 3) element.fail(fmt::format("a color must have one number or three, found {}", v.size()));
     return {float(v[0]), float(v[1]), float(v[2])};
 }
 
@@ -43,10 +43,10 @@ std::vector<SpectrumPoint> points_of(const Element& element, std::string text)
 {
     std::replace(text.begin(), text.end(), ':', ' ');
     const std::vector<double> v = numbers_of(element, text);
-    if (v.size() % 2 != 0) element.fail("a spectrum has pairs of wavelength and value");
+    if (v.size() % 2 != 0) element.fail("a spectrum must have pairs of wavelength and value");
     std::vector<SpectrumPoint> points;
     for (std::size_t i = 0; i < v.size(); i += 2) {
-        if (!points.empty() && v[i] <= points.back().wavelength) element.fail("wavelengths must ascend");
+        if (!points.empty() && v[i] <= points.back().wavelength) element.fail("wavelengths must increase");
         points.push_back({v[i], v[i + 1]});
     }
     return points;
@@ -121,16 +121,16 @@ Color Reader::spectrum(const Element& element)
                 wavelengths.push_back(low + (high - low) * double(i) / std::max(1.0, double(values.size()) - 1));
         }
         if (values.empty() || wavelengths.size() != values.size())
-            element.fail("a spectrum has as many values as wavelengths");
+            element.fail("a spectrum must have as many values as wavelengths");
         std::vector<SpectrumPoint> points;
         for (std::size_t i = 0; i < values.size(); ++i) {
-            if (i > 0 && wavelengths[i] <= wavelengths[i - 1]) element.fail("wavelengths must ascend");
+            if (i > 0 && wavelengths[i] <= wavelengths[i - 1]) element.fail("wavelengths must increase");
             points.push_back({wavelengths[i], values[i]});
         }
         return of_points(points);
     }
     if (type == "srgb" || type == "rgb") return plain_color(object, type == "srgb" ? "color" : "value", {1, 1, 1});
-    report(element, "is not known: taken as 1");
+    report(element, "is not supported: 1 is used");
     return {1, 1, 1};
 }
 
@@ -155,7 +155,7 @@ Color Reader::plain_color(Object& of, std::string_view name, Color otherwise)
     const Element* const found = of.child(name);
     if (!found) return otherwise;
     if (const auto c = color_of(*found)) return *c;
-    report(*found, fmt::format("a texture as '{}' is taken as grey 0.5", name));
+    report(*found, fmt::format("a texture as '{}' is not supported: gray 0.5 is used", name));
     return {0.5f, 0.5f, 0.5f};
 }
 
@@ -164,7 +164,7 @@ int Reader::texture(const Element& element, bool data)
     auto& known = data ? data_textures_ : textures_;
     if (const auto found = known.find(&element); found != known.end()) return found->second;
     if (element.tag != "texture")
-        element.fail(fmt::format("expected a colour or a texture, found <{}>", printable(element.tag)));
+        element.fail(fmt::format("expected a color or a texture, found <{}>", printable(element.tag)));
     Object object(element, document_);
     int index = -1;
     if (object.type() == "bitmap") {
@@ -174,7 +174,7 @@ int Reader::texture(const Element& element, bool data)
     } else if (object.type() == "mesh_attribute") {
         index = mesh_attribute(object);
     } else {
-        report(element, "is not known: taken as grey 0.5");
+        report(element, "is not supported: gray 0.5 is used");
         Texture gray;
         gray.kind = TextureKind::mix;
         gray.color_a = gray.color_b = {{0.5f, 0.5f, 0.5f}, -1};
@@ -222,7 +222,7 @@ int Reader::bitmap(Object& object)
     result.nearest = filter == "nearest";
     object.ignore({"format", "accel"});
     if (!set_uv_map(object.transform("to_uv"), result))
-        report(object.element(), "a shear of texture coordinates is left out");
+        report(object.element(), "a shear of texture coordinates is ignored");
     scene_.textures.push_back(result);
     return int(scene_.textures.size()) - 1;
 }
@@ -231,7 +231,8 @@ int Reader::mesh_attribute(Object& object)
 {
     const std::string name = object.text("name", "");
     if (!name.starts_with("vertex_") && !name.starts_with("face_"))
-        object.element().fail(fmt::format("a mesh attribute is 'vertex_...' or 'face_...', not '{}'", printable(name)));
+        object.element().fail(
+            fmt::format("a mesh attribute must be 'vertex_...' or 'face_...', found '{}'", printable(name)));
     Texture attribute;
     attribute.kind = TextureKind::vertex_color;
     const int index = int(scene_.textures.size());
@@ -260,7 +261,7 @@ int Reader::checkerboard(Object& object, bool data)
     // Mitsuba 3.9.1 exchanges the two colors when it evaluates a number.
     if (data) std::swap(result.color_a, result.color_b);
     if (!set_uv_map(object.transform("to_uv"), result))
-        report(object.element(), "a shear of texture coordinates is left out");
+        report(object.element(), "a shear of texture coordinates is ignored");
     scene_.textures.push_back(result);
     return int(scene_.textures.size()) - 1;
 }

@@ -45,9 +45,9 @@ TEST_F(Mitsuba, IncludesAndReferences)
     expect_color(scene.materials[0].base_color.value, 1, 0, 0);
     EXPECT_EQ(scene.files.size(), 2u);
     EXPECT_EQ(error(R"(<shape type="sphere"><ref id="blue"/></shape>)"),
-              "line 2, column 23: there is nothing with the id 'blue'");
+              "line 2, column 23: no element has the id 'blue'");
     EXPECT_EQ(error(R"(<bsdf type="null" id="a"/><bsdf type="null" id="a"/>)").substr(0, 50),
-              "line 2, column 28: the id 'a' is taken already: " + (folder_ / "a.xml").string().substr(0, 2));
+              "line 2, column 28: the id 'a' is already used: " + (folder_ / "a.xml").string().substr(0, 2));
 }
 
 /// Included files are searched beside the including file, then beside the files that include it, then in the folders of
@@ -94,9 +94,9 @@ TEST_F(Mitsuba, CyclesAndDamage)
               "line 2, column 2: a bsdf can't contain itself");
     EXPECT_EQ(error(R"(<shape type="merge" id="a"><ref id="a"/></shape>)"),
               "line 2, column 2: a shape can't contain itself");
-    EXPECT_EQ(error("<shape type=\"sphere\">").substr(0, 30), "line 3, column 3: no XML: Star");
+    EXPECT_EQ(error("<shape type=\"sphere\">").substr(0, 30), "line 3, column 3: not XML: Star");
     EXPECT_EQ(error_of("a.xml", "<html><scene/></html>"),
-              "line 1: a Mitsuba scene begins with <scene version=\"...\">, found <html>");
+              "line 1: a Mitsuba scene must begin with <scene version=\"...\">, found <html>");
     std::string deep;
     for (int i = 0; i < 200; ++i) deep += "<bsdf type=\"twosided\">";
     for (int i = 0; i < 200; ++i) deep += "</bsdf>";
@@ -118,9 +118,9 @@ TEST_F(Mitsuba, WhatNobodyReadsIsTold)
 <shape type="torus"/><bsdf type="irawan" id="p"/><shape type="disk"><ref id="p"/></shape><emitter type="directionalarea"/><volume type="x"/>)");
     EXPECT_TRUE(is_told("'radious' of shape 'sphere' is ignored"));
     EXPECT_TRUE(is_told("'gloss' of bsdf 'diffuse' is ignored"));
-    EXPECT_TRUE(is_told("shape 'torus': is not known"));
-    EXPECT_TRUE(is_told("bsdf 'irawan' ('p'): is not known: grey diffuse"));
-    EXPECT_TRUE(is_told("emitter 'directionalarea': is not known"));
+    EXPECT_TRUE(is_told("shape 'torus': is not supported"));
+    EXPECT_TRUE(is_told("bsdf 'irawan' ('p'): is not supported: gray diffuse"));
+    EXPECT_TRUE(is_told("emitter 'directionalarea': is not supported"));
     EXPECT_TRUE(is_told("volume 'x': is ignored"));
 }
 
@@ -237,7 +237,7 @@ TEST_F(Mitsuba, Crop)
     EXPECT_TRUE(warnings_.empty());
     EXPECT_NE(error_of("c.xml", R"(<scene version="3.0.0"><sensor type="perspective"><film type="hdrfilm">
 <integer name="width" value="40"/><integer name="crop_offset_x" value="33"/><integer name="crop_width" value="8"/></film></sensor></scene>)")
-                  .find("the crop of 8x576 from 33, 0 on is not within the film of 40x576"),
+                  .find("the crop of 8x576 pixels at 33, 0 is not inside the film of 40x576"),
               std::string::npos);
 }
 
@@ -247,7 +247,7 @@ TEST_F(Mitsuba, NestedIntegrators)
     const SceneDescription scene = read(R"(<integrator type="moment"><integrator type="path">
 <integer name="max_depth" value="3"/></integrator></integrator>)");
     EXPECT_EQ(scene.hints.max_depth, 2);
-    EXPECT_TRUE(is_told("the integrator in it"));
+    EXPECT_TRUE(is_told("only the nested integrator"));
     EXPECT_EQ(read(R"(<integrator type="direct"/>)").hints.max_depth, 1) << "light comes by one surface";
 }
 

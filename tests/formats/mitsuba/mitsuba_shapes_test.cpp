@@ -184,7 +184,7 @@ TEST_F(Mitsuba, InstancesShareTheirGroup)
     EXPECT_EQ(a.children, b.children);
     EXPECT_EQ(scene.nodes.size(), 4u);
     EXPECT_EQ(error(R"(<shape type="instance"><shape type="sphere"/></shape>)"),
-              "line 2, column 25: an instance is one of a 'shapegroup'");
+              "line 2, column 25: an instance must refer to a 'shapegroup'");
 }
 
 TEST_F(Mitsuba, Cylinders)
@@ -355,10 +355,9 @@ TEST_F(Mitsuba, DamagedGridsOfDistances)
         return error(R"(<shape type="sdfgrid"><string name="filename" value="a.vol"/></shape>)");
     };
     EXPECT_EQ(told(good), "loaded");
-    EXPECT_NE(told("VOL").find("this is no volume file"), std::string::npos);
-    EXPECT_NE(told(good.substr(0, good.size() - 4)).find("104 bytes of numbers, not 108"), std::string::npos);
-    EXPECT_NE(told(volume_of({3, 3, 3}, [](Vec3d) { return 1.0; })).find("there is no surface in it"),
-              std::string::npos);
+    EXPECT_NE(told("VOL").find("this is not a volume file"), std::string::npos);
+    EXPECT_NE(told(good.substr(0, good.size() - 4)).find("104 bytes of numbers, expected 108"), std::string::npos);
+    EXPECT_NE(told(volume_of({3, 3, 3}, [](Vec3d) { return 1.0; })).find("it contains no surface"), std::string::npos);
     EXPECT_NE(told(volume_of({3, 3, 3}, [](Vec3d p) { return 1 / (p.x - 0.5); })).find("not finite"),
               std::string::npos);
     std::string wide = good;
@@ -370,7 +369,7 @@ TEST_F(Mitsuba, DamagedSerializedMeshes)
 {
     const std::string asked = fmt::format(fmt::runtime(of_serialized), 1);
     write("m.serialized", two_meshes(3));
-    EXPECT_NE(error(asked).find("mesh 1: has a triangle of vertex 3, but only 3 vertices"), std::string::npos)
+    EXPECT_NE(error(asked).find("mesh 1: has a triangle with vertex 3, but only 3 vertices"), std::string::npos)
         << error(asked);
     write("m.serialized", two_meshes());
     EXPECT_NE(error(fmt::format(fmt::runtime(of_serialized), 2)).find("there is no mesh 2"), std::string::npos);
@@ -383,7 +382,7 @@ TEST_F(Mitsuba, DamagedSerializedMeshes)
     EXPECT_NE(error(asked).find("list of meshes is damaged"), std::string::npos) << error(asked);
     file[0] = 'x';
     write("m.serialized", file);
-    EXPECT_NE(error(asked).find("is no file of serialized meshes"), std::string::npos) << error(asked);
+    EXPECT_NE(error(asked).find("is not a file of serialized meshes"), std::string::npos) << error(asked);
 }
 
 }  // namespace
