@@ -31,7 +31,7 @@ std::size_t component_size(const JsonValue& v, int type)
         case f32:
             return 4;
         default:
-            v.fail(fmt::format("{} is no type of component", type));
+            v.fail(fmt::format("{} is not a component type", type));
     }
 }
 
@@ -126,8 +126,8 @@ Accessor::Accessor(GltfFile& file, const JsonValue& index)
 void Accessor::use(const DecodedAccessor& decoded, const JsonValue& v)
 {
     if (decoded.count != count_ || decoded.components != components())
-        v.fail(fmt::format("has {} elements of {} components, its compressed bytes {} of {}", count_, components(),
-                           decoded.count, decoded.components));
+        v.fail(fmt::format("has {} elements of {} components, but its compressed data has {} of {}", count_,
+                           components(), decoded.count, decoded.components));
     const bool is_index = decoded.values.empty();
     component_type_ = is_index ? u32 : f32;
     normalized_ = false;
@@ -146,7 +146,7 @@ void Accessor::check_range(const JsonValue& v, GltfFile::View view, std::size_t 
         v.fail(fmt::format("elements of {} bytes overlap: the view's stride is {}", size, view.stride));
     // The comparison is arranged so that it can't overflow.
     if (offset > bytes || size > bytes - offset || (count - 1) > (bytes - offset - size) / stride)
-        v.fail(fmt::format("{} elements of {} bytes from byte {} on do not fit into the view's {} bytes", count, size,
+        v.fail(fmt::format("{} elements of {} bytes from offset {} on do not fit into the view's {} bytes", count, size,
                            offset, bytes));
     out = {view.bytes.data() + offset, stride};
 }
@@ -249,7 +249,7 @@ void Accessor::read(std::size_t first, std::size_t count, int to_components, flo
 std::vector<std::uint32_t> Accessor::read_indices() const
 {
     if (components() != 1) fail("indices must be SCALAR");
-    if (normalized_) fail("indices can't be normalised");
+    if (normalized_) fail("indices can't be normalized");
     std::vector<std::uint32_t> indices(count_);
     const auto copy = [&]<class T>(Source source, std::size_t i) {
         return source.data ? std::uint32_t(load<T>(source.data + i * source.stride)) : 0u;

@@ -24,7 +24,7 @@ void apply_filter(const JsonValue& filter, std::string& bytes, std::size_t count
 {
     const std::string& name = filter.string();
     const auto needs = [&](bool fits) {
-        if (!fits) filter.fail(fmt::format("{} is none for elements of {} bytes", printable(name), stride));
+        if (!fits) filter.fail(fmt::format("{} can't be applied to elements of {} bytes", printable(name), stride));
     };
     if (name == "OCTAHEDRAL") {
         needs(stride == 4 || stride == 8);
@@ -36,7 +36,7 @@ void apply_filter(const JsonValue& filter, std::string& bytes, std::size_t count
         needs(stride % 4 == 0);
         meshopt_decodeFilterExp(bytes.data(), count, stride);
     } else if (name != "NONE") {
-        filter.fail(fmt::format("'{}' is none of NONE, OCTAHEDRAL, QUATERNION, EXPONENTIAL", printable(name)));
+        filter.fail(fmt::format("'{}' is not one of NONE, OCTAHEDRAL, QUATERNION, EXPONENTIAL", printable(name)));
     }
 }
 
@@ -59,13 +59,13 @@ std::string decode_meshopt(const GltfFile& file, const JsonValue& v, std::span<c
         error = meshopt_decodeVertexBuffer(bytes.data(), count, stride, in, data.size());
     } else if (mode == "TRIANGLES" || mode == "INDICES") {
         if (stride != 2 && stride != 4) v["byteStride"].fail(fmt::format("must be 2 or 4, found {}", stride));
-        if (mode == "TRIANGLES" && count % 3 != 0) v["count"].fail(fmt::format("{} can't be divided by 3", count));
+        if (mode == "TRIANGLES" && count % 3 != 0) v["count"].fail(fmt::format("{} is not a multiple of 3", count));
         error = mode == "TRIANGLES" ? meshopt_decodeIndexBuffer(bytes.data(), count, stride, in, data.size())
                                     : meshopt_decodeIndexSequence(bytes.data(), count, stride, in, data.size());
     } else {
-        v["mode"].fail(fmt::format("'{}' is none of ATTRIBUTES, TRIANGLES, INDICES", printable(mode)));
+        v["mode"].fail(fmt::format("'{}' is not one of ATTRIBUTES, TRIANGLES, INDICES", printable(mode)));
     }
-    if (error != 0) v.fail("the compressed bytes are damaged");
+    if (error != 0) v.fail("the compressed data is damaged");
     if (const auto filter = v.get("filter"); filter && mode == "ATTRIBUTES")
         apply_filter(*filter, bytes, count, stride);
     return bytes;
@@ -90,7 +90,7 @@ DecodedAccessor read_attribute(const draco::PointAttribute& attribute, std::size
         const draco::AttributeValueIndex value = attribute.mapped_index(draco::PointIndex(std::uint32_t(i)));
         if (value.value() >= attribute.size() ||
             !attribute.ConvertValue<float>(value, std::int8_t(components), &out.values[i * std::size_t(components)]))
-            place.fail("the compressed bytes are damaged");
+            place.fail("the compressed data is damaged");
     }
     return out;
 }
@@ -117,7 +117,7 @@ std::map<std::size_t, DecodedAccessor> decode_draco(GltfFile& file, const JsonVa
     draco::Decoder decoder;
     auto decoded = decoder.DecodeMeshFromBuffer(&buffer);
     if (!decoded.ok())
-        v.fail(fmt::format("the compressed bytes are damaged: {}", printable(decoded.status().error_msg_string())));
+        v.fail(fmt::format("the compressed data is damaged: {}", printable(decoded.status().error_msg_string())));
     const draco::Mesh& mesh = *decoded.value();
     std::map<std::size_t, DecodedAccessor> accessors;
     const JsonValue ids = v["attributes"];
@@ -126,7 +126,7 @@ std::map<std::size_t, DecodedAccessor> decode_draco(GltfFile& file, const JsonVa
         if (!attributes.has(name)) continue;
         const JsonValue id = ids[name];
         const draco::PointAttribute* attribute = mesh.GetAttributeByUniqueId(std::uint32_t(id.count()));
-        if (!attribute) id.fail("there is no attribute of this number in the compressed bytes");
+        if (!attribute) id.fail("the compressed data has no attribute with this id");
         accessors[attributes[name].count()] = read_attribute(*attribute, mesh.num_points(), id);
     }
     if (const auto index = primitive.get("indices")) {

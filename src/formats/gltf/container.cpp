@@ -88,7 +88,8 @@ void GltfFile::split_glb(const std::string& bytes)
     if (bytes.size() < 20) fail(fmt::format("the file ends after {} bytes", bytes.size()));
     const std::uint32_t version = little_endian_32(&bytes[4]), length = little_endian_32(&bytes[8]);
     if (version != 2) fail(fmt::format("version {} is not supported, only 2", version));
-    if (length > bytes.size()) fail(fmt::format("the file ends after {} bytes; {} are promised", bytes.size(), length));
+    if (length > bytes.size())
+        fail(fmt::format("the file ends after {} bytes; its header says {}", bytes.size(), length));
     std::size_t at = 12;
     for (int chunk = 0; at + 8 <= length; ++chunk) {
         const std::size_t size = little_endian_32(&bytes[at]);
@@ -101,12 +102,12 @@ void GltfFile::split_glb(const std::string& bytes)
         if (chunk == 1 && type == 0x004e4942) binary_chunk_ = std::span<const char>(data, size);
         at += 8 + size;
     }
-    if (text_.empty()) fail("there is no JSON in it");
+    if (text_.empty()) fail("it contains no JSON");
 }
 
 void GltfFile::check_asset() const
 {
-    if (!root_.has("asset")) root_.fail("this is no glTF 2.0: 'asset' is missing");
+    if (!root_.has("asset")) root_.fail("this is not glTF 2.0: 'asset' is missing");
     const JsonValue asset = root_["asset"];
     if (!asset.has("version")) asset.fail("key 'version' is missing");
     const JsonValue version = asset["version"];
@@ -114,7 +115,7 @@ void GltfFile::check_asset() const
         version.fail(fmt::format("glTF {} is not supported, only 2.0", printable(version.string())));
     if (const auto least = asset.get("minVersion"))
         if (least->string() != "2.0")
-            least->fail(fmt::format("the file needs glTF {}, 2.0 is supported", printable(least->string())));
+            least->fail(fmt::format("the file requires glTF {}, only 2.0 is supported", printable(least->string())));
 }
 
 void GltfFile::check_extensions()
@@ -129,7 +130,7 @@ void GltfFile::check_extensions()
     for (std::size_t i = 0; i < used.size(); ++i) {
         const std::string name = used[i].string();
         if (!contains(known_extensions, name) && !contains(harmless_extensions, name))
-            warn(fmt::format("extension {} is not supported and left out", printable(name)));
+            warn(fmt::format("extension {} is not supported and is ignored", printable(name)));
     }
 }
 
@@ -182,9 +183,9 @@ void GltfFile::load_buffer(const JsonValue& v, bool is_first, std::string& out, 
     } else if (is_first && binary_chunk_) {
         view = *binary_chunk_;
     } else {
-        v.fail("there are no bytes: no 'uri', and no binary chunk that belongs to it");
+        v.fail("there is no data: neither a 'uri' nor a binary chunk");
     }
-    if (view.size() < length) v.fail(fmt::format("{} bytes are promised, there are {}", length, view.size()));
+    if (view.size() < length) v.fail(fmt::format("expected {} bytes, found {}", length, view.size()));
     view = view.first(length);
 }
 
@@ -197,8 +198,8 @@ std::span<const char> GltfFile::bytes_of(const JsonValue& v)
     if (!v.has("byteLength")) v.fail("key 'byteLength' is missing");
     const std::size_t length = v["byteLength"].count();
     if (offset > bytes.size() || length > bytes.size() - offset)
-        v.fail(
-            fmt::format("bytes {} to {} are not in the buffer, which has {}", offset, offset + length, bytes.size()));
+        v.fail(fmt::format("bytes {} to {} are not in the buffer, which has {} bytes", offset, offset + length,
+                           bytes.size()));
     return bytes.subspan(offset, length);
 }
 

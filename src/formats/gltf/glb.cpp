@@ -62,7 +62,8 @@ private:
         json.resize((json.size() + 3) / 4 * 4, ' ');
         const std::string& chunk = buffer_.bytes();
         const std::size_t size = 12 + 8 + json.size() + (chunk.empty() ? 0 : 8 + chunk.size());
-        if (size > 0xffffffffu) throw Error(file_, "", "more than a GLB file can hold, which is 4 GB");
+        if (size > 0xffffffffu)
+            throw Error(file_, "", "the scene does not fit into a GLB file, which holds at most 4 GB");
         std::string bytes = "glTF";
         const auto add = [&](std::size_t word) {
             for (int i = 0; i < 4; ++i) bytes += char(word >> (8 * i) & 255);
@@ -87,7 +88,8 @@ private:
     {
         constexpr std::size_t most = 10'000'000;
         if (nodes_.size() >= most)
-            throw Error(file_, "", "more than ten million places: glTF has no instances of groups");
+            throw Error(file_, "",
+                        "the scene has more than ten million nodes after expansion: glTF can't instance groups");
         nodes_.push_back(std::move(node));
         return int(nodes_.size()) - 1;
     }
@@ -103,11 +105,12 @@ private:
         const Node& n = scene_.nodes[std::size_t(index)];
         Json node = Json::object();
         if (!n.name.empty()) node["name"] = n.name;
-        if (!n.motion.empty()) warn("nodes that move while the shutter is open stand still, at their first place");
+        if (!n.motion.empty())
+            warn("motion blur of nodes is not written: glTF has none; they keep their first transform");
         const Transform& place = n.motion.empty() ? n.parent_from_node : n.motion.front().parent_from_node;
         if (place.m != Transform().m) node["matrix"] = matrix_json(place);
         if (n.light >= 0 && scene_.lights[std::size_t(n.light)].kind == LightKind::beam)
-            warn("beams are left out: glTF has no light that is parallel and has sides");
+            warn("beam lights are not written: glTF has no parallel light of limited width");
         else if (n.light >= 0)
             node["extensions"]["KHR_lights_punctual"]["light"] = light(n.light);
         Json children = Json::array();
@@ -152,16 +155,16 @@ private:
         } else if (const auto* sphere = std::get_if<Sphere>(&shape.geometry)) {
             add_sphere(*sphere, shape.material, children);
         } else if (std::holds_alternative<CurvesInstance>(shape.geometry)) {
-            warn("curves are left out");
+            warn("curves are not written: glTF has none");
         } else if (const auto* points = std::get_if<PointsInstance>(&shape.geometry)) {
             const Points& p = scene_.points[std::size_t(points->points)];
             if (p.centers.empty()) return;
-            warn("points are without their sizes");
+            warn("the radii of points are not written: glTF has none");
             Json json = {{"mode", 0}, {"material", materials_.index(shape.material)}};
             json["attributes"]["POSITION"] = buffer_.add_vertices(&p.centers[0].x, p.centers.size(), 3, true);
             primitives.push_back(std::move(json));
         } else {
-            if (std::holds_alternative<Disk>(shape.geometry)) warn("disks are made of triangles");
+            if (std::holds_alternative<Disk>(shape.geometry)) warn("disks are written as triangles");
             primitives.push_back(primitive(geometry_json(tessellate(shape.geometry)), shape.material));
         }
     }
@@ -169,8 +172,8 @@ private:
     /// Adds a sphere as a transformed instance of a tessellated unit sphere.
     void add_sphere(const Sphere& sphere, int material, Json& children)
     {
-        warn("spheres are made of triangles");
-        if (sphere.center_end) warn("spheres that move stand still, at their first place");
+        warn("spheres are written as triangles");
+        if (sphere.center_end) warn("motion blur of spheres is not written: they keep their first position");
         const int side = sphere.radius < 0 ? 1 : 0;
         if (unit_spheres_[side].is_null())
             unit_spheres_[side] = geometry_json(tessellate(Sphere{{0, 0, 0}, side == 1 ? -1.0 : 1.0, {}}));
@@ -188,7 +191,7 @@ private:
     /// A primitive without its material, and "colors" if the mesh has vertex colors.
     Json geometry_json(const Mesh& mesh)
     {
-        if (!mesh.motion.empty()) warn("meshes that bend while the shutter is open stand still, in their first shape");
+        if (!mesh.motion.empty()) warn("motion blur of deforming meshes is not written: they keep their first shape");
         const std::vector<Vec3f>& positions = mesh.motion.empty() ? mesh.positions : mesh.motion.front().positions;
         const std::vector<Vec3f>& normals = mesh.motion.empty() ? mesh.normals : mesh.motion.front().normals;
         Json json = Json::object();
@@ -249,9 +252,9 @@ private:
         constexpr double nearest = 0.01, farthest = 1e5;
         Json json = Json::object();
         if (!c.name.empty()) json["name"] = c.name;
-        if (c.shift_x != 0 || c.shift_y != 0) warn("cameras look straight ahead: glTF has no shift of lenses");
-        if (c.aperture > 0) warn("cameras see all sharp: glTF has no lens");
-        if (c.shutter_open != 0 || c.shutter_close != 0) warn("a shutter is left out");
+        if (c.shift_x != 0 || c.shift_y != 0) warn("the lens shift of cameras is not written: glTF has none");
+        if (c.aperture > 0) warn("depth of field is not written: glTF has none");
+        if (c.shutter_open != 0 || c.shutter_close != 0) warn("the shutter is not written: glTF has none");
         if (c.kind == CameraKind::orthographic) {
             json["type"] = "orthographic";
             json["orthographic"] = {{"xmag", number_json(c.height / 2 * (c.aspect > 0 ? c.aspect : 1))},
@@ -260,7 +263,7 @@ private:
                                     {"zfar", farthest}};
             return json;
         }
-        if (c.kind != CameraKind::perspective) warn("a camera that sees all directions is one of perspective");
+        if (c.kind != CameraKind::perspective) warn("panoramic cameras are written as perspective cameras");
         json["type"] = "perspective";
         json["perspective"] = {{"yfov", number_json(c.fov_y)}, {"znear", nearest}};
         if (c.aspect > 0) json["perspective"]["aspectRatio"] = number_json(c.aspect);
@@ -275,7 +278,7 @@ private:
         constexpr const char* types[] = {"point", "spot", "directional", "spot", "point"};
         Json json = {{"type", types[int(l.kind)]}};
         if (l.picture.image >= 0 || l.kind == LightKind::projector)
-            warn("pictures of lights are left out: projectors are spots, goniometric lights points");
+            warn("light images are not written: projectors become spot lights, goniometric lights become point lights");
         if (!l.name.empty()) json["name"] = l.name;
         const Color c = l.intensity;
         const float most = std::max({c.r, c.g, c.b});
@@ -284,13 +287,13 @@ private:
         json["intensity"] = is_flux ? number_json(double(most) / (4 * std::numbers::pi)) : number_json(most);
         if (most > 0) json["color"] = {number_json(c.r / most), number_json(c.g / most), number_json(c.b / most)};
         if (l.kind == LightKind::directional && l.angle > 0)
-            warn("lights far away are points: their angle is left out");
+            warn("the angular diameter of directional lights is not written: glTF has none");
         if (l.kind == LightKind::spot)
             // glTF requires the inner angle to be less than the outer one.
             json["spot"] = {{"innerConeAngle", number_json(std::min(l.inner_angle, l.outer_angle * (1 - 1e-6)))},
                             {"outerConeAngle", number_json(l.outer_angle)}};
         if (l.kind == LightKind::spot && l.falloff != SpotFalloff::square && l.inner_angle < l.outer_angle)
-            warn("spots fall off as glTF's do");
+            warn("the falloff of spot lights is replaced by glTF's");
         if (l.kind == LightKind::projector)
             json["spot"] = {{"outerConeAngle", number_json(std::min(l.fov, std::numbers::pi * (1 - 1e-6)) / 2)}};
         lights_.push_back(std::move(json));
@@ -299,11 +302,11 @@ private:
 
     void report_losses()
     {
-        if (scene_.environment.kind != EnvironmentKind::none) warn("the environment is left out: glTF has none");
+        if (scene_.environment.kind != EnvironmentKind::none) warn("the environment is not written: glTF has none");
         const RenderHints& h = scene_.hints;
         if (h.width || h.height || h.samples || h.max_depth || h.roulette_depth || h.filter || h.light_sampling ||
             h.exposure || h.white_balance || h.background || h.tonemap || h.build)
-            warn("how it is to be rendered (size, samples, exposure and such) is left out: glTF has no place for it");
+            warn("render settings (size, samples, exposure, ...) are not written: glTF has none");
     }
 
     const SceneDescription& scene_;

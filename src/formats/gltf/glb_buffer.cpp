@@ -20,7 +20,8 @@ constexpr std::size_t largest = (std::size_t(1) << 32) - (std::size_t(1) << 28);
 
 int GlbBuffer::add_view(const void* bytes, std::size_t size, Use use)
 {
-    if (size > largest - bytes_.size()) throw Error("", "", "more than a GLB file can hold, which is 4 GB");
+    if (size > largest - bytes_.size())
+        throw Error("", "", "the scene does not fit into a GLB file, which holds at most 4 GB");
     Json view = {{"buffer", 0}, {"byteOffset", bytes_.size()}, {"byteLength", size}};
     if (use != Use::anything) view["target"] = int(use);
     bytes_.append(static_cast<const char*>(bytes), size);

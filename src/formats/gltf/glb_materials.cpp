@@ -49,8 +49,8 @@ Material GlbMaterials::dominant_material(int material)
         m.kind == MaterialKind::mix ? (m.factor.texture < 0 ? 1 : mean_of(m.factor.texture).g) * m.factor.value : 0;
     Material part = dominant_material(factor > 0.5f ? m.material_b : m.material_a);
     current_ = &m;
-    report(m.kind == MaterialKind::mix ? "a mix of materials: the one that has more of it is taken"
-                                       : "another material on the back: it is like the front");
+    report(m.kind == MaterialKind::mix ? "a mix of materials: the one with the larger share is written"
+                                       : "a different material on the back: the front's material is used");
     part.name = m.name;
     part.emission = m.emission, part.emission_two_sided = m.emission_two_sided;
     part.alpha_mode = m.alpha_mode, part.alpha = m.alpha, part.alpha_cutoff = m.alpha_cutoff;
@@ -71,7 +71,7 @@ void GlbMaterials::put_into(Json& gltf) const
 void GlbMaterials::report(const std::string& what)
 {
     const std::string& name = current_->name;
-    warnings_.add(fmt::format("{}: {}: glTF can't say {}", file_,
+    warnings_.add(fmt::format("{}: {}: glTF can't express {}", file_,
                               name.empty() ? "a material" : fmt::format("material '{}'", printable(name)), what));
 }
 
@@ -92,7 +92,7 @@ void GlbMaterials::put_factor(Json& json, const char* key, const FloatInput& inp
         if (input.channel == channel)
             info = texture_info(input.texture, ColorSpace::linear);
         else
-            report(fmt::format("'{}' by another channel of its picture", key));
+            report(fmt::format("'{}' from another channel of its image", key));
     } else if (input.texture >= 0) {
         const Color mean = mean_of(input.texture);
         const float channels[] = {mean.r, mean.g, mean.b, 1, 0.2126f * mean.r + 0.7152f * mean.g + 0.0722f * mean.b};
@@ -129,14 +129,14 @@ Json GlbMaterials::base_json(const Material& m)
     put_color(json, "baseColorFactor", color, {1, 1, 1}, "baseColorTexture");
     if (json.contains("baseColorFactor"))
         for (Json& channel : json["baseColorFactor"])
-            if (channel.get<float>() > 1) channel = 1, report("a colour brighter than white");
+            if (channel.get<float>() > 1) channel = 1, report("a color brighter than white");
     if (m.alpha_mode != AlphaMode::opaque) {
         if (m.alpha.value != 1) {
             if (!json.contains("baseColorFactor")) json["baseColorFactor"] = color_factor({1, 1, 1});
             json["baseColorFactor"].push_back(number_json(m.alpha.value));
         }
         if (m.alpha.texture >= 0 && (m.alpha.texture != color.texture || m.alpha.channel != alpha))
-            report("an alpha that is not the base colour's");
+            report("an alpha other than the base color's");
     }
     if (json.contains("baseColorFactor") && json["baseColorFactor"].size() == 3) json["baseColorFactor"].push_back(1);
 
@@ -145,21 +145,21 @@ Json GlbMaterials::base_json(const Material& m)
     FloatInput roughness = has_facets ? m.roughness : FloatInput{1, -1, green};
     if (m.kind == MaterialKind::fuzz_metal) {
         roughness = {std::sqrt(m.fuzz), -1, green};
-        if (m.fuzz > 0) report("fuzz: it is rough instead");
+        if (m.fuzz > 0) report("fuzz: roughness is used instead");
     }
-    if (m.kind == MaterialKind::hair) report("how hair scatters: it is diffuse instead");
+    if (m.kind == MaterialKind::hair) report("hair scattering: it is approximated by a diffuse material");
     if (m.beckmann && has_facets) {
         roughness.value *= 0.83666f;
-        if (roughness.value > 0) report("facets of Beckmann's: those of GGX that are most like them are taken");
+        if (roughness.value > 0) report("the Beckmann distribution: it is approximated by GGX");
     }
-    if (m.kind == MaterialKind::plastic) report("what goes to and fro below the boundary of plastic");
+    if (m.kind == MaterialKind::plastic) report("internal reflections below the boundary of plastic");
     put_factor(json, "metallicFactor", metallic, 1, "metallicRoughnessTexture", blue);
     Json of_metal = json.contains("metallicRoughnessTexture") ? json["metallicRoughnessTexture"] : Json();
     put_factor(json, "roughnessFactor", roughness, 1, "metallicRoughnessTexture", green);
     const bool has_both = json.contains("metallicRoughnessTexture") && roughness.texture == metallic.texture;
     const bool other_is_nothing = roughness.texture >= 0 ? metallic.value == 0 : roughness.value == 0;
     if (json.contains("metallicRoughnessTexture") && !has_both && !other_is_nothing)
-        report("metalness and roughness of which not both are in one picture");
+        report("metalness and roughness that are not in one image");
     return json;
 }
 
@@ -171,7 +171,7 @@ void GlbMaterials::add_transmission(const Material& m, Json& json)
         put_factor(extension(json, "KHR_materials_transmission"), "transmissionFactor", transmission, 0,
                    "transmissionTexture", red);
     if (m.diffuse_transmission.value > 0) {
-        if (m.diffuse_transmission_added) report("light that passes diffusely beside what is reflected");
+        if (m.diffuse_transmission_added) report("diffuse transmission that is added to the reflection");
         Json& passing = extension(json, "KHR_materials_diffuse_transmission");
         put_factor(passing, "diffuseTransmissionFactor", m.diffuse_transmission, 0, "diffuseTransmissionTexture",
                    alpha);
@@ -181,7 +181,7 @@ void GlbMaterials::add_transmission(const Material& m, Json& json)
     if (transmission.value <= 0 && m.diffuse_transmission.value <= 0) return;
     if (m.dispersion > 0) extension(json, "KHR_materials_dispersion")["dispersion"] = number_json(m.dispersion);
     if (m.thin) {
-        if (is_glass && m.attenuation_distance > 0) report("what sheets of glass enclose");
+        if (is_glass && m.attenuation_distance > 0) report("the absorption of a thin sheet of glass");
         return;
     }
     // Any thickness makes the material volumetric: ray tracers compute distances, and rasterizers approximate.
@@ -207,7 +207,7 @@ Json GlbMaterials::thickness_info(const Material& m, Json& layer)
     }
     float value = input.value;
     if (input.texture >= 0) {
-        report("a thickness of the film by this texture: its mean is taken");
+        report("this texture of the thin film's thickness: its mean is used");
         value *= mean_of(input.texture).g;
     }
     layer["iridescenceThicknessMaximum"] = number_json(value);
@@ -243,7 +243,7 @@ void GlbMaterials::add_layers(const Material& m, Json& json)
         put_factor(anisotropy, "anisotropyStrength", m.anisotropy, 0, "anisotropyTexture", blue);
         if (m.anisotropy_rotation != 0) anisotropy["anisotropyRotation"] = number_json(m.anisotropy_rotation);
         if (m.anisotropy_texture != m.anisotropy.texture)
-            report("directions of facets by another picture than how far they are drawn out");
+            report("the direction and strength of anisotropy from different images");
     }
     if (!is_gray(m.sheen_color.value, 0)) {
         Json& sheen = extension(json, "KHR_materials_sheen");
@@ -254,27 +254,27 @@ void GlbMaterials::add_layers(const Material& m, Json& json)
 
 void GlbMaterials::report_losses(const Material& m)
 {
-    if (m.one_sided) report("a back that is black: it is like the front");
+    if (m.one_sided) report("a black back: it looks like the front");
     const auto lost = [&](bool has, const char* what) {
         if (has) report(what);
     };
     lost(m.displacement.value != 0, "displacement");
     lost(m.bump.texture >= 0 && m.bump.value != 0, "bumps");
-    lost(m.separable && !m.beckmann && m.roughness.value > 0, "shadowing of facets by each direction alone");
-    lost(m.priority != 0, "which of overlapping solids is there");
+    lost(m.separable && !m.beckmann && m.roughness.value > 0, "separable masking-shadowing");
+    lost(m.priority != 0, "the priority of overlapping solids");
     if (m.kind == MaterialKind::diffuse) lost(m.roughness.value > 0, "a diffuse surface's roughness");
     if (m.kind != MaterialKind::principled) return;
     lost(m.subsurface.value > 0, "subsurface scattering");
-    lost(!is_gray(m.transmission_scatter, 0), "scattering within a solid");
+    lost(!is_gray(m.transmission_scatter, 0), "scattering inside a solid");
     lost(m.diffuse_roughness.value > 0, "a diffuse surface's roughness");
     lost(m.metallic.value > 0 && (!is_gray(m.edge_color.value, 1) || m.edge_color.texture >= 0),
-         "a metal's colour at its edge");
-    lost(m.coat.value > 0 && (!is_gray(m.coat_color.value, 1) || m.coat_color.texture >= 0), "a coat's colour");
+         "a metal's edge color");
+    lost(m.coat.value > 0 && (!is_gray(m.coat_color.value, 1) || m.coat_color.texture >= 0), "a coat's color");
     lost(m.coat.value > 0 && m.coat_ior > 1 && m.coat_ior != 1.5f, "a coat's index of refraction");
     const bool is_partly_clear = m.transmission.value > 0 && (m.metallic.value > 0 || m.transmission.value < 1);
     lost(is_partly_clear &&
              (m.transmission_color.value != m.base_color.value || m.transmission_color.texture != m.base_color.texture),
-         "one colour for what is reflected and another for what passes");
+         "different colors for reflection and transmission");
 }
 
 namespace {
@@ -326,16 +326,16 @@ Json GlbMaterials::material_json(const Material& given)
     Material m = given;
     current_ = &given;
     if (m.kind == MaterialKind::measured) {
-        report("what was measured of a surface: it is diffuse instead");
+        report("a measured BRDF: it is approximated by a diffuse material");
         m.base_color = {reflectance_of(scene_.measured[std::size_t(m.measured)]), -1};
         m.kind = MaterialKind::diffuse;
     }
     if (m.kind == MaterialKind::disney) {
-        report("how Disney's lobes are added: they are layers");
+        report("the sum of the Disney material's lobes: they are written as layers");
         m = principled_from_disney(m);
     }
     if (m.two_roughnesses && !anisotropy_from_roughnesses(m))
-        report("textures of two roughnesses: that along the tangent is left out");
+        report("textures of two roughnesses: the one along the tangent is ignored");
     Json json = Json::object();
     if (!m.name.empty()) json["name"] = m.name;
     Json base = base_json(m);
@@ -354,8 +354,8 @@ Json GlbMaterials::material_json(const Material& given)
             extension(json, "KHR_materials_emissive_strength")["emissiveStrength"] = number_json(strength);
         // glTF has one flag for both; emission takes precedence over the visibility of the back.
         if (m.emission_two_sided == m.single_sided)
-            report(m.single_sided ? "light of both sides of what is seen from one: it is seen from both"
-                                  : "light of one side of what is seen from both: cameras look through it from behind");
+            report(m.single_sided ? "two-sided emission of a single-sided surface: the surface becomes double-sided"
+                                  : "one-sided emission of a double-sided surface: the surface becomes single-sided");
         is_double_sided = m.emission_two_sided;
     }
     if (m.alpha_mode != AlphaMode::opaque) json["alphaMode"] = m.alpha_mode == AlphaMode::mask ? "MASK" : "BLEND";

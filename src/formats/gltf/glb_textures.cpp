@@ -112,18 +112,18 @@ Json GlbMaterials::texture_info(int texture, ColorSpace color_space)
     const Texture& t = scene_.textures[std::size_t(texture)];
     const Texture* const picture = picture_of(texture);
     if (!picture || picture->image < 0) {
-        if (t.kind != TextureKind::vertex_color) report("a computed texture: its mean is taken");
+        if (t.kind != TextureKind::vertex_color) report("a procedural texture: its mean is used");
         return {};
     }
-    if (picture != &t && !is_identity(*picture)) report("one of two maps of texture coordinates");
-    if (std::max(picture->wrap_u, picture->wrap_v) >= Wrap::black) report("a wrap that glTF has not: it is clamped");
+    if (picture != &t && !is_identity(*picture)) report("two nested transforms of texture coordinates");
+    if (std::max(picture->wrap_u, picture->wrap_v) >= Wrap::black) report("this wrap mode: the texture is clamped");
     if (picture->height_scale != 0) {
-        report("a picture of heights");
+        report("a height map");
         return {};
     }
     if (picture->color_space != color_space)
-        report(color_space == ColorSpace::srgb ? "that a picture's values are linear"
-                                               : "that a picture's values are sRGB");
+        report(color_space == ColorSpace::srgb ? "that an image's values are linear"
+                                               : "that an image's values are sRGB");
     const int index = texture_json(*picture);
     if (index < 0) return {};
     Json info = {{"index", index}};
@@ -171,7 +171,7 @@ int GlbMaterials::image(int index)
                            : std::string_view(reinterpret_cast<const char*>(file.bytes.data()), file.bytes.size());
     const char* const mime = mime_type(bytes);
     if (!mime) {
-        warnings_.add(fmt::format("{}: picture '{}' is left out: glTF has PNG, JPEG, WebP, AVIF and KTX2", file_,
+        warnings_.add(fmt::format("{}: image '{}' is not written: glTF supports PNG, JPEG, WebP, AVIF and KTX2", file_,
                                   printable(file.name.empty() ? file.path.string() : file.name)));
         return -1;
     }

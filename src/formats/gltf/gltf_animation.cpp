@@ -77,7 +77,7 @@ Interpolation interpolation_of(const JsonValue& sampler)
     if (!v || v->string() == "LINEAR") return Interpolation::linear;
     if (v->string() == "STEP") return Interpolation::step;
     if (v->string() == "CUBICSPLINE") return Interpolation::cubic;
-    v->fail(fmt::format("'{}' is none of LINEAR, STEP, CUBICSPLINE", printable(v->string())));
+    v->fail(fmt::format("'{}' is not one of LINEAR, STEP, CUBICSPLINE", printable(v->string())));
 }
 
 /// The value at a JSON pointer below `json`, or null.
@@ -122,7 +122,7 @@ AnimationChannel GltfReader::channel_of_path(const JsonValue& target, const std:
         channel.value = AnimatedValue::weights;
     else
         target["path"].fail(
-            fmt::format("'{}' is none of translation, rotation, scale, weights, pointer", printable(path)));
+            fmt::format("'{}' is not one of translation, rotation, scale, weights, pointer", printable(path)));
     const JsonValue node = target["node"];
     file_.follow("nodes", node);
     channel.target = int(node.count());
@@ -145,7 +145,8 @@ std::optional<AnimationChannel> GltfReader::channel_of_pointer(const JsonValue& 
         channel.target = *number;
         return channel;
     }
-    file_.warn(fmt::format("animations of {} are not supported and left out", printable(pattern_of(pointer.string()))));
+    file_.warn(
+        fmt::format("animations of {} are not supported and are ignored", printable(pattern_of(pointer.string()))));
     return {};
 }
 

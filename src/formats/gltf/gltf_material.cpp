@@ -57,7 +57,7 @@ Material GltfReader::read_material(const JsonValue& v)
         else if (word == "BLEND")
             m.alpha_mode = AlphaMode::blend;
         else if (word != "OPAQUE")
-            mode->fail(fmt::format("'{}' is none of OPAQUE, MASK, BLEND", printable(word)));
+            mode->fail(fmt::format("'{}' is not one of OPAQUE, MASK, BLEND", printable(word)));
     }
     m.alpha_cutoff = float_or(v, "alphaCutoff", 0.5f);
 

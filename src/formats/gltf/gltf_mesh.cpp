@@ -88,8 +88,8 @@ std::vector<std::uint32_t> GltfReader::read_corners(const JsonValue& primitive, 
     }
     const std::size_t whole = mode == triangles ? 3 : mode == lines ? 2 : 1;
     if (const std::size_t rest = corners.size() % whole) {
-        file_.warn(whole == 3 ? "indices that make no whole triangle are left out"
-                              : "indices that make no whole line are left out",
+        file_.warn(whole == 3 ? "indices that don't complete a triangle are ignored"
+                              : "indices that don't complete a line are ignored",
                    rest);
         corners.resize(corners.size() - rest);
     }
@@ -99,8 +99,8 @@ std::vector<std::uint32_t> GltfReader::read_corners(const JsonValue& primitive, 
 /// mesh  its indices are those of the points, or of the ends of lines
 void GltfReader::add_points_or_lines(const Mesh& mesh, int mode, Part part, std::vector<Part>& parts)
 {
-    if (!mesh.colors.empty()) file_.warn("points and lines have no colours of their own here");
-    if (!part.joints.empty()) file_.warn("points and lines don't move with skins: they are shown at rest");
+    if (!mesh.colors.empty()) file_.warn("vertex colors of points and lines are not supported and are ignored");
+    if (!part.joints.empty()) file_.warn("skins of points and lines are not supported: the rest pose is used");
     part.joints.clear();
     std::vector<Vec3f> ends;
     ends.reserve(mesh.indices.size());
@@ -174,7 +174,7 @@ MorphTarget GltfReader::read_morph_target(const JsonValue& target, std::size_t f
         const Accessor accessor(file_, *index);
         if (accessor.components() != components && !(components == 4 && accessor.components() == 3))
             accessor.fail(fmt::format("a morph target's {} with {} components", name, accessor.components()));
-        if (accessor.count() < first + vertices) accessor.fail("is no morph target of the vertices");
+        if (accessor.count() < first + vertices) accessor.fail("has fewer elements than the mesh has vertices");
         to.resize(vertices);
         accessor.read(first, vertices, components, 0, &to.data()->x);
     };
@@ -220,7 +220,7 @@ void GltfReader::read_primitive(const JsonValue& primitive, const std::string& n
     attributes->object();
     const auto position_index = attributes->get("POSITION");
     if (!position_index) {
-        file_.warn("primitives without positions are left out");
+        file_.warn("primitives without positions are ignored");
         return;
     }
     if (const auto extensions = primitive.get("extensions"))
@@ -234,7 +234,7 @@ void GltfReader::read_primitive(const JsonValue& primitive, const std::string& n
     const auto index_count = indices ? Accessor(file_, *indices).count() : 0;
     file_.check_memory(primitive, 36.0 * double(positions.count()) + 12.0 * double(index_count));
     const int mode = primitive.has("mode") ? primitive["mode"].integer() : triangles;
-    if (mode < points || mode > triangle_fan) primitive["mode"].fail(fmt::format("{} is no mode of drawing", mode));
+    if (mode < points || mode > triangle_fan) primitive["mode"].fail(fmt::format("{} is not a primitive mode", mode));
     Mesh mesh;
     mesh.indices = read_corners(primitive, positions.count(), mode);
     if (mesh.indices.empty()) return;

@@ -122,7 +122,7 @@ int GltfReader::light(const JsonValue& index)
     else if (type == "directional")
         light.kind = LightKind::directional;
     else
-        v["type"].fail(fmt::format("'{}' is none of point, spot, directional", printable(type)));
+        v["type"].fail(fmt::format("'{}' is not one of point, spot, directional", printable(type)));
     Color color{1, 1, 1};
     if (const auto c = v.get("color")) color = c->array_of(3).color();
     const float intensity = v.has("intensity") ? std::max(0.0f, v["intensity"].single()) : 1;
@@ -132,10 +132,11 @@ int GltfReader::light(const JsonValue& index)
         light.outer_angle = spot->has("outerConeAngle") ? (*spot)["outerConeAngle"].number() : std::numbers::pi / 4;
         if (!(light.inner_angle >= 0 && light.outer_angle > 0 && light.inner_angle <= light.outer_angle &&
               light.outer_angle <= std::numbers::pi / 2 + 1e-6))
-            spot->fail("0 <= innerConeAngle <= outerConeAngle <= pi/2 does not hold");
+            spot->fail("must satisfy 0 <= innerConeAngle <= outerConeAngle <= pi/2");
     }
     if (light.kind != LightKind::directional && v.has("range"))
-        file_.warn("'range' of lights is ignored: their light falls off with the square of the distance without end");
+        file_.warn(
+            "'range' of lights is ignored: their light falls off with the square of the distance at any distance");
     scene_.lights.push_back(std::move(light));
     return found->second;
 }
@@ -177,7 +178,7 @@ void GltfReader::add_instances(const JsonValue& instancing, std::size_t index)
         if (accessor.components() != components)
             accessor.fail(fmt::format("{} with {} components", name, accessor.components()));
         if (count != 0 && accessor.count() != count)
-            accessor.fail("has another number of elements than its neighbours");
+            accessor.fail("has a different number of elements than the other attributes");
         count = accessor.count();
         if (count > 10'000'000) accessor.fail(fmt::format("{} instances are too many", count));
         values.resize(count * std::size_t(components));
@@ -281,7 +282,7 @@ void GltfReader::read_roots()
         chosen = index->count();
     }
     if (scenes.size() > 1 && options_.scene.empty())
-        file_.warn(fmt::format("scene {} of 0 to {} is shown; another may be asked for", chosen, scenes.size() - 1));
+        file_.warn(fmt::format("scene {} of 0 to {} is used; --scene chooses another one", chosen, scenes.size() - 1));
     const JsonValue scene = scenes[chosen];
     if (const auto extensions = scene.get("extensions"))
         if (const auto light = extensions->get("EXT_lights_image_based")) read_environment(*light);
@@ -364,7 +365,7 @@ SceneDescription read_gltf(const std::filesystem::path& file, const std::string&
     if (!is_model_of_scene)
         context.offered = std::move(offered);
     else if (!offered.rig.animations.empty())
-        gltf.warn("animations of a model within a scene are not played: its pose at rest is shown");
+        gltf.warn("animations of a model within a scene are not supported: its rest pose is used");
     return scene;
 }
 

@@ -29,7 +29,7 @@ Wrap wrap(const JsonValue& sampler, const char* key)
         case 33648:
             return Wrap::mirror;
         default:
-            sampler[key].fail(fmt::format("{} is no wrap mode", mode));
+            sampler[key].fail(fmt::format("{} is not a wrap mode", mode));
     }
 }
 
@@ -83,8 +83,8 @@ std::optional<int> GltfReader::texture_image(const JsonValue& texture)
         if (const auto named = extension(extensions, format))
             if (const auto source = named->get("source")) return image(*source);
     if (const auto source = texture.get("source")) return image(*source);
-    file_.warn(basis ? "KHR_texture_basisu: this build reads no KTX2; such textures are left out"
-                     : "textures without an image are left out");
+    file_.warn(basis ? "KHR_texture_basisu: this build does not support KTX2; such textures are ignored"
+                     : "textures without an image are ignored");
     return std::nullopt;
 }
 

@@ -154,7 +154,7 @@ TEST_F(SaveGlb, TwoRoughnesses)
     }
     EXPECT_EQ(again.materials[0].anisotropy_rotation, 0);
     EXPECT_NEAR(again.materials[1].anisotropy_rotation, 1.5707963268, 1e-6);
-    EXPECT_TRUE(is_told("shadowing of facets by each direction alone"));
+    EXPECT_TRUE(is_told("separable masking-shadowing"));
 }
 
 /// A diffuse room keeps its mean radiance; samples differ because rectangles become triangles.
@@ -191,7 +191,7 @@ TEST_F(SaveGlb, PlacesLightsAndCameras)
         std::find_if(json["nodes"].begin(), json["nodes"].end(), [](const Json& n) { return n.contains("camera"); });
     ASSERT_NE(camera, json["nodes"].end());
     EXPECT_EQ((*camera)["matrix"], (Json{-1, 0, 0, 0, 0, 1, 0, 0, 0, 0, -1, 0, 1, 2, 3, 1}));
-    EXPECT_TRUE(is_told("spheres are made of triangles"));
+    EXPECT_TRUE(is_told("spheres are written as triangles"));
 }
 
 /// glTF has no image-textured lights, so they are reported.
@@ -208,7 +208,7 @@ TEST_F(SaveGlb, TellsOfPicturesOfLights)
     EXPECT_EQ(again.lights[0].intensity, (Color{8, 4, 2}));
     EXPECT_EQ(again.lights[1].kind, LightKind::point);
     EXPECT_NEAR(again.lights[1].intensity.g, 1, 1e-6);
-    EXPECT_TRUE(is_told("pictures of lights are left out"));
+    EXPECT_TRUE(is_told("light images are not written"));
 }
 
 /// The byte layout follows the GLB specification.
@@ -246,8 +246,8 @@ TEST_F(SaveGlb, WhatGltfCanNotSay)
         "scene": [{"rectangle": {"corner": [0, 0, 0], "edge_u": [1, 0, 0], "edge_v": [0, 1, 0]}, "material": "a"},
                   {"box": {"min": [0, 0, 0], "max": [1, 1, 1]}, "material": "b"}]})"));
     for (const char* what :
-         {"environment", "how it is to be rendered", "material 'a': glTF can't say a computed texture",
-          "material 'b': glTF can't say subsurface", "material 'b': glTF can't say a coat's colour"})
+         {"environment", "render settings", "material 'a': glTF can't express a procedural texture",
+          "material 'b': glTF can't express subsurface", "material 'b': glTF can't express a coat's color"})
         EXPECT_TRUE(is_told(what)) << what;
     EXPECT_EQ(again.materials[0].base_color.value, (Color{0.25f, 0.5f, 0.125f})) << "its mean";
     EXPECT_EQ(again.environment.kind, EnvironmentKind::none);

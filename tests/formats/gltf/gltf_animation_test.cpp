@@ -228,8 +228,8 @@ TEST_F(GltfAnimation, PointersMoveNumbers)
     EXPECT_EQ(scene.cameras.at(0).fov_y, 0.75);
     EXPECT_EQ(
         warning(),
-        "animations of /materials/*/normalTexture/extensions/KHR_texture_transform/rotation are not supported and left "
-        "out\nanimations of /materials/*/occlusionTexture/strength are not supported and left out\n");
+        "animations of /materials/*/normalTexture/extensions/KHR_texture_transform/rotation are not supported and are "
+        "ignored\nanimations of /materials/*/occlusionTexture/strength are not supported and are ignored\n");
     // Only the emissive strength is animated; its factor comes from the file.
     EXPECT_EQ(read(gltf).scene.materials[0].emission.value, (Color{0, 10, 0}));
 }
@@ -286,9 +286,9 @@ TEST_F(GltfAnimation, DamagedDataIsNamed)
     };
     EXPECT_EQ(of(times, values, node(0, "translation")), "");
     EXPECT_EQ(of(same, values, node(0, "translation")),
-              fmt::format("accessors[{}]: times must be finite and ascend: 1 is the time of key 1", same));
+              fmt::format("accessors[{}]: times must be finite and increase: 1 is the time of key 1", same));
     EXPECT_EQ(of(back, values, node(0, "translation")),
-              fmt::format("accessors[{}]: times must be finite and ascend: -inf is the time of key 1", back));
+              fmt::format("accessors[{}]: times must be finite and increase: -inf is the time of key 1", back));
     EXPECT_EQ(of(values, values, node(0, "translation")),
               fmt::format("accessors[{}]: times with 3 components", values));
     EXPECT_EQ(of(times, nan, node(0, "translation")), fmt::format("accessors[{}]: a value is not finite", nan));
@@ -300,11 +300,11 @@ TEST_F(GltfAnimation, DamagedDataIsNamed)
               "animations[0].channels[0].target.node: there is no nodes[7]: the file has 1");
     EXPECT_EQ(of(99, values, node(0, "translation")),
               "animations[0].samplers[0].input: there is no accessors[99]: the file has 7");
-    EXPECT_EQ(of(times, values, node(0, "colour")),
-              "animations[0].channels[0].target.path: 'colour' is none of "
-              "translation, rotation, scale, weights, pointer");
+    EXPECT_EQ(
+        of(times, values, node(0, "colour")),
+        "animations[0].channels[0].target.path: 'colour' is not one of translation, rotation, scale, weights, pointer");
     EXPECT_EQ(of(times, values, node(0, "translation"), "SPLINE"),
-              "animations[0].samplers[0].interpolation: 'SPLINE' is none of LINEAR, STEP, CUBICSPLINE");
+              "animations[0].samplers[0].interpolation: 'SPLINE' is not one of LINEAR, STEP, CUBICSPLINE");
     EXPECT_EQ(of(times, values, pointer("/nodes/3/translation")),
               "animations[0].channels[0].target.extensions.KHR_animation_pointer.pointer: there is no "
               "/nodes/3/translation: the file has 1 of them");
@@ -344,7 +344,7 @@ TEST_F(GltfAnimation, OfModelsWithinScenesAreTold)
     const SceneFile file =
         load_scene_file(write("s.json", R"({"fathom": 1, "scene": [{"model": "m.gltf"}]})"), {}, warnings_);
     EXPECT_TRUE(file.rig.animations.empty());
-    EXPECT_NE(warning().find("animations of a model within a scene are not played"), std::string::npos);
+    EXPECT_NE(warning().find("animations of a model within a scene are not supported"), std::string::npos);
 }
 
 }  // namespace

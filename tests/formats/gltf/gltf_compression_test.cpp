@@ -149,11 +149,11 @@ TEST_F(GltfCompression, DamagedMeshopt)
         EXPECT_NE(error_of("a.gltf", file).find(words), std::string::npos) << error_of("a.gltf", file);
     };
     refused(meshopt_file(good.substr(0, good.size() / 2), triangles),
-            "bufferViews[0].extensions.EXT_meshopt_compression: the compressed bytes are damaged");
-    refused(meshopt_file(good, triangles.substr(0, 3)), "the compressed bytes are damaged");
+            "bufferViews[0].extensions.EXT_meshopt_compression: the compressed data is damaged");
+    refused(meshopt_file(good, triangles.substr(0, 3)), "the compressed data is damaged");
     const char* const ext = "EXT_meshopt_compression";
     refused(meshopt_file(good, triangles, ext, R"("byteStride": 12, "count": 5, "mode": "SHAPES")"),
-            "'SHAPES' is none of");
+            "'SHAPES' is not one of");
     refused(meshopt_file(good, triangles, ext, R"("byteStride": 13, "count": 5, "mode": "ATTRIBUTES")"),
             "multiple of 4");
     refused(meshopt_file(good, triangles, ext, R"("byteStride": 12, "count": 0, "mode": "ATTRIBUTES")"), "at least 1");
@@ -161,7 +161,7 @@ TEST_F(GltfCompression, DamagedMeshopt)
             "GB of memory");
     refused(meshopt_file(good, triangles, ext,
                          R"("byteStride": 12, "count": 5, "mode": "ATTRIBUTES", "filter": "QUATERNION")"),
-            "QUATERNION is none for elements of 12 bytes");
+            "QUATERNION can't be applied to elements of 12 bytes");
     // The stream has fewer elements than the accessor needs.
     refused(meshopt_file(good, triangles, ext, R"("byteStride": 12, "count": 3, "mode": "ATTRIBUTES")"), "");
     EXPECT_NE(
@@ -183,9 +183,9 @@ TEST_F(GltfCompression, DamagedDraco)
     const auto refused = [&](const std::string& file, const std::string& words) {
         EXPECT_NE(error_of("a.gltf", file).find(words), std::string::npos) << error_of("a.gltf", file);
     };
-    refused(draco_file(good.substr(0, good.size() / 2)), "the compressed bytes are damaged");
-    refused(draco_file("nothing"), "KHR_draco_mesh_compression: the compressed bytes are damaged");
-    refused(draco_file(good, "", 7), "there is no attribute of this number");
+    refused(draco_file(good.substr(0, good.size() / 2)), "the compressed data is damaged");
+    refused(draco_file("nothing"), "KHR_draco_mesh_compression: the compressed data is damaged");
+    refused(draco_file(good, "", 7), "has no attribute with this id");
     const auto with = [&](const std::string& from, const std::string& to) {
         std::string file = draco_file(good);
         const std::size_t at = file.find(from);
@@ -194,7 +194,7 @@ TEST_F(GltfCompression, DamagedDraco)
     };
     refused(with(R"("count")", R"("counts")"), "accessors[0]: key 'count' is missing");
     refused(with(R"("attributes": {"POSITION": 0}}})", R"("attributes": [0]}})"), "expected an object");
-    refused(draco_file(good, "", 0, 900), "has 900 elements of 3 components, its compressed bytes 5 of 3");
+    refused(draco_file(good, "", 0, 900), "has 900 elements of 3 components, but its compressed data has 5 of 3");
     // After changing any single byte the file is either read or rejected.
     for (std::size_t i = 0; i < good.size(); ++i)
         for (const int change : {1, 0x80, 0xff}) {

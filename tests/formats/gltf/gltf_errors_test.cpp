@@ -19,16 +19,16 @@ TEST_F(GltfErrors, Containers)
 {
     EXPECT_EQ(error_of("a.gltf", ""), "the file is empty");
     EXPECT_EQ(error_of("a.gltf", "{\"asset\": "),
-              "line 1, column 11: not JSON: the file ends too early: unexpected end of input; expected '[', '{', or a "
+              "line 1, column 11: not JSON: the file is truncated: unexpected end of input; expected '[', '{', or a "
               "literal");
-    EXPECT_EQ(error_of("a.gltf", "{}"), "this is no glTF 2.0: 'asset' is missing");
+    EXPECT_EQ(error_of("a.gltf", "{}"), "this is not glTF 2.0: 'asset' is missing");
     EXPECT_EQ(error_of("a.gltf", R"({"asset": {"version": "1.0"}})"),
               "asset.version: glTF 1.0 is not supported, only 2.0");
     EXPECT_EQ(error_of("a.glb", "glTF"), "GLB header: the file ends after 4 bytes");
     EXPECT_EQ(error_of("a.glb", std::string("glTF\1\0\0\0\x20\0\0\0\0\0\0\0\0\0\0\0", 20)),
               "GLB header: version 1 is not supported, only 2");
     EXPECT_EQ(error_of("a.glb", std::string("glTF\2\0\0\0\x20\0\0\0\0\0\0\0\0\0\0\0", 20)),
-              "GLB header: the file ends after 20 bytes; 32 are promised");
+              "GLB header: the file ends after 20 bytes; its header says 32");
     EXPECT_EQ(error_of("a.glb", std::string("glTF\2\0\0\0\x14\0\0\0\xff\xff\xff\xffJSON", 20)),
               "GLB header: chunk 0 of 4294967295 bytes does not fit into the file's 20");
     EXPECT_EQ(error_of("a.gltf", R"({"asset": {"version": "2.0"}, "extensionsRequired": ["KHR_x", "KHR_y"]})"),
@@ -62,26 +62,27 @@ INSTANTIATE_TEST_SUITE_P(
         Case{R"({"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3"})", GOOD_VIEW,
              "meshes[0].primitives[0].indices: there is no accessors[1]: the file has 1"},
         Case{R"({"bufferView": 0, "componentType": 5126, "count": 4, "type": "VEC3"},)" INDICES, GOOD_VIEW,
-             "accessors[0]: 4 elements of 12 bytes from byte 0 on do not fit into the view's 36 bytes"},
+             "accessors[0]: 4 elements of 12 bytes from offset 0 on do not fit into the view's 36 bytes"},
         Case{R"({"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3", "byteOffset": 1},)" INDICES,
-             GOOD_VIEW, "accessors[0]: 3 elements of 12 bytes from byte 1 on do not fit into the view's 36 bytes"},
-        Case{R"({"bufferView": 0, "componentType": 5126, "count": 9007199254740992, "type": "VEC3"},)" INDICES,
-             GOOD_VIEW,
-             "accessors[0]: 9007199254740992 elements of 12 bytes from byte 0 on do not fit into the view's 36 bytes"},
+             GOOD_VIEW, "accessors[0]: 3 elements of 12 bytes from offset 1 on do not fit into the view's 36 bytes"},
+        Case{
+            R"({"bufferView": 0, "componentType": 5126, "count": 9007199254740992, "type": "VEC3"},)" INDICES,
+            GOOD_VIEW,
+            "accessors[0]: 9007199254740992 elements of 12 bytes from offset 0 on do not fit into the view's 36 bytes"},
         Case{
             R"({"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3", "byteOffset": 9007199254740992},)" INDICES,
             GOOD_VIEW,
-            "accessors[0]: 3 elements of 12 bytes from byte 9007199254740992 on do not fit into the view's 36 bytes"},
+            "accessors[0]: 3 elements of 12 bytes from offset 9007199254740992 on do not fit into the view's 36 bytes"},
         Case{R"({"componentType": 5126, "count": 9007199254740992, "type": "VEC3"},)" INDICES, GOOD_VIEW,
              "accessors[0].count: 9007199254740992 elements without a bufferView are too many"},
         Case{R"({"bufferView": 0, "componentType": 5126, "count": -3, "type": "VEC3"},)" INDICES, GOOD_VIEW,
-             "accessors[0].count: expected a whole number from 0 on, found -3"},
+             "accessors[0].count: expected a whole number of at least 0, found -3"},
         Case{R"({"bufferView": 0, "componentType": 5126, "count": 0, "type": "VEC3"},)" INDICES, GOOD_VIEW,
              "accessors[0].count: must be at least 1"},
         Case{R"({"bufferView": 0, "componentType": 5126, "type": "VEC3"},)" INDICES, GOOD_VIEW,
              "accessors[0]: key 'count' is missing"},
         Case{R"({"bufferView": 0, "componentType": 5124, "count": 3, "type": "VEC3"},)" INDICES, GOOD_VIEW,
-             "accessors[0].componentType: 5124 is no type of component"},
+             "accessors[0].componentType: 5124 is not a component type"},
         Case{R"({"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC9"},)" INDICES, GOOD_VIEW,
              "accessors[0].type: must be SCALAR, VEC2, VEC3, VEC4, MAT2, MAT3 or MAT4"},
         Case{R"({"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC2"},)" INDICES, GOOD_VIEW,
@@ -89,10 +90,11 @@ INSTANTIATE_TEST_SUITE_P(
         Case{R"({"bufferView": 1, "componentType": 5126, "count": 3, "type": "VEC3"},)" INDICES, GOOD_VIEW,
              "accessors[0].bufferView: there is no bufferViews[1]: the file has 1"},
         Case{R"({"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3"},)" INDICES,
-             R"({"buffer": 0, "byteLength": 37})", "bufferViews[0]: bytes 0 to 37 are not in the buffer, which has 36"},
+             R"({"buffer": 0, "byteLength": 37})",
+             "bufferViews[0]: bytes 0 to 37 are not in the buffer, which has 36 bytes"},
         Case{R"({"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3"},)" INDICES,
              R"({"buffer": 0, "byteLength": 36, "byteOffset": 9007199254740992})",
-             "bufferViews[0]: bytes 9007199254740992 to 9007199254741028 are not in the buffer, which has 36"},
+             "bufferViews[0]: bytes 9007199254740992 to 9007199254741028 are not in the buffer, which has 36 bytes"},
         Case{R"({"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3"},)" INDICES,
              R"({"buffer": 0, "byteLength": 36, "byteStride": 8})",
              "accessors[0]: elements of 12 bytes overlap: the view's stride is 8"},
@@ -147,7 +149,7 @@ TEST_F(GltfErrors, Buffers)
               "buffers[0].uri: only files and data URIs can be read");
     EXPECT_EQ(error_of("a.gltf", with_uri("data:;base64,@@@@")), "buffers[0].uri: the data URI is damaged");
     write("short.bin", "1234567890");
-    EXPECT_EQ(error_of("a.gltf", with_uri("short.bin")), "buffers[0]: 36 bytes are promised, there are 10");
+    EXPECT_EQ(error_of("a.gltf", with_uri("short.bin")), "buffers[0]: expected 36 bytes, found 10");
     write("b.bin", std::string(36, '\xff'));
     EXPECT_EQ(error_of("a.gltf", with_uri("b.bin")), "meshes[0].positions[0]: is not finite");
 }

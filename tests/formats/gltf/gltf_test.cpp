@@ -117,7 +117,7 @@ TEST_F(Gltf, PrimitiveModes)
         return scene.meshes.empty() ? std::vector<std::uint32_t>{} : scene.meshes[0].indices;
     };
     EXPECT_EQ(indices_of(4), (std::vector<std::uint32_t>{0, 1, 2}));  // two extra indices are ignored
-    EXPECT_EQ(warnings_with("no whole triangle"), 2u);
+    EXPECT_EQ(warnings_with("don't complete a triangle"), 2u);
     EXPECT_EQ(indices_of(5), (std::vector<std::uint32_t>{0, 1, 2, 1, 3, 2, 2, 3, 4}));
     EXPECT_EQ(indices_of(6), (std::vector<std::uint32_t>{0, 1, 2, 0, 2, 3, 0, 3, 4}));
     for (int mode : {0, 1, 2, 3}) EXPECT_TRUE(indices_of(mode).empty());
@@ -155,7 +155,7 @@ TEST_F(Gltf, PointsAndLines)
     };
     EXPECT_TRUE(warnings_.empty());
     expect_lines(1, {2, 2}, {3, 0, 0});
-    EXPECT_EQ(warnings_with("no whole line"), 1u);
+    EXPECT_EQ(warnings_with("don't complete a line"), 1u);
     expect_lines(2, {6}, {0, 0, 12});
     expect_lines(3, {5}, {0, 4, 0});
 }
@@ -545,7 +545,7 @@ TEST_F(Gltf, WhatIsWrongWithVerticesIsMended)
     expect_equal(mesh.normals[2], {0, 0, 1});
     EXPECT_EQ(mesh.uvs[0][1].x, 0);
     EXPECT_EQ(count_in_all(warnings_, "degenerate triangles"), 1u);
-    EXPECT_EQ(count_in_all(warnings_, "normals without direction"), 2u);
+    EXPECT_EQ(count_in_all(warnings_, "normals of zero length or not finite"), 2u);
     EXPECT_EQ(count_in_all(warnings_, "that are not finite"), 1u);
 }
 
