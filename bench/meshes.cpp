@@ -66,7 +66,7 @@ double number(const char* p, const std::string& type)
 double next_number(std::istream& in, const std::string& type)
 {
     char bytes[8] = {};
-    if (!in.read(bytes, std::streamsize(size_of(type)))) throw std::runtime_error("the file ends too early");
+    if (!in.read(bytes, std::streamsize(size_of(type)))) throw std::runtime_error("the file is truncated");
     return number(bytes, type);
 }
 

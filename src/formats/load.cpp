@@ -92,7 +92,7 @@ SceneDescription load_file(const std::filesystem::path& file, const LoadOptions&
     const SourceFile source{file, lower_extension(file), input, options};
     const auto* const found = std::find_if(std::begin(importers), std::end(importers),
                                            [&](const Importer* i) { return i->recognizes(source); });
-    if (found == std::end(importers)) throw Error(file.string(), "", "no reader knows this kind of file");
+    if (found == std::end(importers)) throw Error(file.string(), "", "this file format is not supported");
     const Importer& importer = **found;
     if (!options.scene.empty() && !importer.has_choices)
         throw Error(file.string(), "",
@@ -137,7 +137,7 @@ std::size_t find_animation(const SceneFile& file, const std::string& wanted)
     std::vector<std::string> names;
     names.reserve(file.rig.animations.size());
     for (const Animation& animation : file.rig.animations) names.push_back(animation.name);
-    if (names.empty()) throw Error(file.scene.file, "", "there are no animations in it");
+    if (names.empty()) throw Error(file.scene.file, "", "it contains no animations");
     if (wanted.empty()) return 0;
     if (const auto found = find_choice(wanted, names)) return *found;
     throw Error(file.scene.file, "",

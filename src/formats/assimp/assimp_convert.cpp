@@ -56,7 +56,7 @@ void AssimpConverter::add_mesh(const aiMesh& from)
         const bool in_range = std::all_of(face.mIndices, face.mIndices + face.mNumIndices,
                                           [&](unsigned index) { return index < vertices; });
         if (face.mNumIndices < 3 || !in_range) {
-            warn(in_range ? "points and lines are not shown" : "faces with corners that don't exist are left out");
+            warn(in_range ? "points and lines are ignored" : "faces with vertex indices out of range are ignored");
             continue;
         }
         points.clear();
@@ -77,7 +77,7 @@ void AssimpConverter::add_camera(const aiCamera& from)
     camera.up = to_vec3d(from.mUp);
     const Vec3d view = camera.look_at - camera.position;
     if (!(length(cross(normalize(view), normalize(camera.up))) > 1e-6)) {
-        warn("a camera without direction is left out");
+        warn("cameras without a view direction are ignored");
         return;
     }
     // Assimp's angle is horizontal. In some formats it spans only half of the image, which can't be detected.
@@ -105,7 +105,7 @@ void AssimpConverter::add_light(const aiLight& from)
         case aiLightSource_AMBIENT:
             return;
         default:
-            warn("lights that are neither point, spot nor directional are left out");
+            warn("lights that are neither point, spot nor directional are ignored");
             return;
     }
     const aiColor3D& c = from.mColorDiffuse;

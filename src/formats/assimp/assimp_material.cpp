@@ -72,7 +72,7 @@ int AssimpConverter::image(const std::string& path)
     image.name = path;
     if (const aiTexture* embedded = from_.GetEmbeddedTexture(path.c_str())) {
         if (!read_embedded(*embedded, image)) {
-            warn("a texture inside the file can't be read and is left out");
+            warn("an embedded texture can't be read and is ignored");
             return -1;
         }
     } else {

@@ -88,7 +88,7 @@ void read(const AssimpRequest& request, AssimpAnswer& answer)
     Assimp::Importer importer;
     importer.SetIOHandler(new Files(request, answer.scene.files));  // the importer takes ownership
     if (!importer.IsExtensionSupported(file.extension().string())) {
-        answer.error = "no reader knows this format";
+        answer.error = "this format is not supported";
         return;
     }
     // Fathom triangulates polygons itself, and other postprocessing costs time or memory without use.
@@ -101,11 +101,11 @@ void read(const AssimpRequest& request, AssimpAnswer& answer)
         return;
     }
     if (!scene->mRootNode || scene->mNumMeshes == 0) {
-        answer.error = "there are no meshes in it";
+        answer.error = "it contains no meshes";
         return;
     }
     AssimpConverter(*scene, file, answer).convert(file_to_world(*scene, request.turn_up));
-    if (scene->mNumAnimations > 0) answer.warnings.push_back("animations are not played: the pose at rest is shown");
+    if (scene->mNumAnimations > 0) answer.warnings.push_back("animations are not supported: the rest pose is used");
 }
 
 }  // namespace

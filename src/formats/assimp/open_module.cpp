@@ -61,16 +61,15 @@ SceneDescription read_with_assimp(const std::filesystem::path& file, const LoadO
     const std::string name = file.string();
     std::error_code error;
     if (!std::filesystem::is_regular_file(file, error))
-        throw Error(name, "", "what it is can't be told from the content: give a file whose name has an extension");
+        throw Error(name, "", "its format can't be detected from the content: give a file whose name has an extension");
     std::string why;
     void* const module = open_module(why);
     const auto read = module ? reinterpret_cast<AssimpRead>(dlsym(module, assimp_read_symbol)) : nullptr;
     if (!read)
-        throw Error(
-            name, "",
-            fmt::format("Fathom has no reader of its own for '{}', and the module {} that reads further formats {}",
-                        file.extension().string(), assimp_module_file,
-                        why.empty() ? "is not there" : "can't be used: " + printable(why)));
+        throw Error(name, "",
+                    fmt::format("Fathom has no built-in reader for '{}', and the module {} that reads more formats {}",
+                                file.extension().string(), assimp_module_file,
+                                why.empty() ? "was not found" : "can't be used: " + printable(why)));
     // Assimp aborts on files that violate its assertions and crashes on others, so it runs in a process of its own.
     const std::size_t megabytes = std::size_t(std::filesystem::file_size(file) >> 20) + 1;
     const SubprocessResult result = run_in_subprocess(
@@ -82,12 +81,13 @@ SceneDescription read_with_assimp(const std::filesystem::path& file, const LoadO
         unsigned(30 + 10 * megabytes), (std::size_t(2) << 30) + megabytes * (std::size_t(200) << 20));
     AssimpAnswer answer;
     if (!result.failure.empty()) throw Error(name, "", fmt::format("Assimp can't read the file: {}", result.failure));
-    if (!from_bytes(result.bytes, answer)) throw Error(name, "", "Assimp's answer is cut short");
+    if (!from_bytes(result.bytes, answer)) throw Error(name, "", "Assimp's answer is truncated");
     if (!answer.error.empty()) throw Error(name, "", printable(answer.error));
     for (const std::string& warning : answer.warnings) context.warnings.add(fmt::format("{}: {}", name, warning));
     for (Mesh& mesh : answer.scene.meshes) {
         for (std::uint32_t index : mesh.indices)
-            if (index >= mesh.positions.size()) throw Error(name, printable(mesh.name), "a corner refers to no vertex");
+            if (index >= mesh.positions.size())
+                throw Error(name, printable(mesh.name), "a vertex index is out of range");
         clean_mesh(mesh, name, context.mesh_faults);
     }
     for (const std::filesystem::path& opened : answer.scene.files) context.add_file(opened);

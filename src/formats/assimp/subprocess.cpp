@@ -77,7 +77,7 @@ void write_all(int fd, const std::string& bytes)
 std::string reason(int status)
 {
     if (WIFSIGNALED(status) && (WTERMSIG(status) == SIGXCPU || WTERMSIG(status) == SIGKILL))
-        return "it took too long or too much memory";
+        return "it exceeded its time or memory limit";
     if (WIFSIGNALED(status)) return "it crashed";
     return WEXITSTATUS(status) == 2 ? "it ran out of memory" : "it failed";
 }

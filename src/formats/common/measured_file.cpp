@@ -20,10 +20,9 @@ MeasuredTable read_table(const TensorFile& file, const char* name, const std::ve
     const std::string place = fmt::format("'{}'", name);
     for (std::size_t i = 0; i < outer.size(); ++i)
         if (field.shape[i] != outer[i])
-            file.fail(place,
-                      fmt::format("has {} tables along dimension {}, where {} belong", field.shape[i], i, outer[i]));
+            file.fail(place, fmt::format("has {} tables along dimension {}, expected {}", field.shape[i], i, outer[i]));
     const std::uint64_t height = field.shape[outer.size()], width = field.shape[outer.size() + 1];
-    if (width > 1u << 30 || height > 1u << 30) file.fail(place, "has too large a table");
+    if (width > 1u << 30 || height > 1u << 30) file.fail(place, "has a table that is too large");
     return {int(width), int(height), TensorFile::values(field)};
 }
 
@@ -32,7 +31,7 @@ std::vector<Color> weights_of(const TensorFile& file, const std::vector<float>& 
 {
     for (std::size_t i = 0; i < wavelengths.size(); ++i)
         if (!std::isfinite(wavelengths[i]) || (i > 0 && !(wavelengths[i - 1] < wavelengths[i])))
-            file.fail("'wavelengths'", "must ascend");
+            file.fail("'wavelengths'", "must increase");
     std::vector<Color> weights;
     for (std::size_t i = 0; i < wavelengths.size(); ++i) {
         std::vector<SpectrumPoint> hat;

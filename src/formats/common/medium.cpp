@@ -26,7 +26,7 @@ std::string add_surrounding_medium(SceneDescription& scene, Material medium)
     scene.roots.push_back(int(scene.nodes.size()));
     scene.nodes.push_back(std::move(node));
     if (scene.environment.kind == EnvironmentKind::none) return {};
-    return "it ends in a ball of twice the scene's radius, behind which the environment is";
+    return "it ends at a sphere of twice the scene's radius; the environment is outside";
 }
 
 }  // namespace fathom

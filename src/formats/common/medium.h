@@ -66,7 +66,7 @@ private:
     std::vector<const Medium*> outside_;
 };
 inline constexpr const char* medium_not_enclosed_message =
-    "is around shapes, but neither in one nor around the camera: nothing is there";
+    "surrounds shapes, but is neither inside a shape nor around the camera: it is ignored";
 
 /// Adds a sphere filled with a medium around all shapes and cameras, with twice the radius of their bounds and the
 /// lowest priority: it applies wherever no other medium does. Returns a warning, or an empty string.

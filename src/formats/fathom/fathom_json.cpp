@@ -23,7 +23,7 @@ void check_camera(const JsonValue& v, const Camera& camera)
     const Vec3d view = camera.look_at - camera.position;
     if (length(view) == 0) v.fail("'position' and 'look_at' are the same point");
     if (length(cross(normalize(view), normalize(camera.up))) < 1e-9)
-        v.fail("'up' must not be zero or parallel to the direction of view");
+        v.fail("'up' must not be zero or parallel to the view direction");
     if (camera.aspect < 0) v["aspect"].fail("must not be negative");
     if (camera.aperture < 0) v["aperture"].fail("must not be negative");
     if (camera.focus_distance < 0) v["focus_distance"].fail("must not be negative");
@@ -68,8 +68,8 @@ Camera FathomJsonReader::read_camera(const JsonValue& v, const std::string& name
         o.read("focus_distance", camera.focus_distance);
         o.done("in a perspective camera");
     } else if (camera.kind != CameraKind::orthographic) {
-        if (v.has("shift")) v["shift"].fail("a camera that sees all directions has none");
-        o.done("in a camera that sees all directions");
+        if (v.has("shift")) v["shift"].fail("panoramic cameras have none");
+        o.done("in a panoramic camera");
     } else {
         o.read("height", camera.height);
         if (!(camera.height > 0)) v["height"].fail("must be greater than 0");
@@ -87,7 +87,7 @@ void FathomJsonReader::read_cameras(JsonObject& scene)
     };
     const auto camera = scene.get("camera");
     const auto cameras = scene.get("cameras");
-    if (camera && cameras) cameras->fail("a file has either 'camera' or 'cameras'");
+    if (camera && cameras) cameras->fail("a file can have 'camera' or 'cameras', not both");
     if (camera) add(*camera, "camera");
     if (cameras) tables_.emplace("cameras", cameras->object());
     for_each_named("cameras", [&](const std::string& name, const JsonValue& v) { add(v, name); });
@@ -98,7 +98,9 @@ void FathomJsonReader::read_environment(const JsonValue& v)
     Environment& environment = scene_.environment;
     JsonObject o(v);
     if (!v.has("kind"))
-        v.fail("key 'kind' is missing: none, constant, gradient, image, studio, sky, cube, equal-area or hosek-wilkie");
+        v.fail(
+            "key 'kind' is missing: expected none, constant, gradient, image, studio, sky, cube, equal-area or "
+            "hosek-wilkie");
     o.read_word("kind", words::environment_kinds, environment.kind);
     const bool turns = environment.kind != EnvironmentKind::none && environment.kind != EnvironmentKind::constant;
     if (environment.kind != EnvironmentKind::none && environment.kind != EnvironmentKind::gradient)
@@ -149,7 +151,7 @@ void FathomJsonReader::read_render(const JsonValue& v)
         size->array_of(2);
         for (std::size_t i : {0, 1}) {
             const int pixels = (*size)[i].integer();
-            if (pixels < 1) (*size)[i].fail("a picture is at least 1 pixel wide and high");
+            if (pixels < 1) (*size)[i].fail("an image must be at least 1 pixel wide and high");
             (i == 0 ? hints.width : hints.height) = pixels;
         }
     }
@@ -168,7 +170,7 @@ void FathomJsonReader::read_render(const JsonValue& v)
     if (auto value = o.get("white_balance")) {
         hints.white_balance = value->number();
         if (!(*hints.white_balance >= min_white_kelvin && *hints.white_balance <= max_white_kelvin))
-            value->fail(fmt::format("light has a temperature of {} to {} K", min_white_kelvin, max_white_kelvin));
+            value->fail(fmt::format("the temperature of light must be {} to {} K", min_white_kelvin, max_white_kelvin));
     }
     if (auto value = o.get("background")) hints.background = value->color();
     if (auto value = o.get("own_light")) hints.own_light = value->boolean();
@@ -237,7 +239,7 @@ SceneDescription FathomJsonReader::read()
     if (auto schema = o.get("$schema")) schema->string();
     if (auto version = o.get("fathom"))
         if (version->integer() != 1)
-            version->fail(fmt::format("format {} is not known; this version reads format 1", version->integer()));
+            version->fail(fmt::format("format {} is not supported; this version reads format 1", version->integer()));
     for (const char* key : {"textures", "materials", "meshes", "curves", "points", "lights", "nodes"})
         if (auto v = o.get(key)) tables_.emplace(key, v->object());
 

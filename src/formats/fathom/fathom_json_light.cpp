@@ -56,7 +56,8 @@ FathomJsonReader::Placed FathomJsonReader::add_light(const JsonValue& v, const s
     Placed placed;
     JsonObject o(v);
     o.read("name", light.name);
-    if (!v.has("kind")) v.fail("key 'kind' is missing: point, spot, directional, projector, goniometric or beam");
+    if (!v.has("kind"))
+        v.fail("key 'kind' is missing: expected point, spot, directional, projector, goniometric or beam");
     o.read_word("kind", words::light_kinds, light.kind);
     Color color{1, 1, 1};
     o.read("color", color);
@@ -109,12 +110,12 @@ FathomJsonReader::Placed FathomJsonReader::add_light(const JsonValue& v, const s
     if (light.kind != LightKind::point) {
         Vec3d direction{0, 0, -1};
         o.read("direction", direction);
-        if (length(direction) == 0) v["direction"].fail("has no length");
+        if (length(direction) == 0) v["direction"].fail("must not have zero length");
         std::optional<Vec3d> up;
         if (has_up && v.has("up")) {
             o.read("up", up.emplace());
             if (length(cross(*up, direction)) <= 1e-9 * length(*up) * length(direction))
-                v["up"].fail("must have a length and not be along 'direction'");
+                v["up"].fail("must not have zero length or be parallel to 'direction'");
         }
         placed.place = placed.place * light_rotation(direction, up);
     }

@@ -198,9 +198,9 @@ std::vector<RampStop> FathomJsonReader::read_stops(const JsonValue& v)
     std::vector<RampStop> stops;
     for (std::size_t i = 0; i < v.size(); ++i) {
         const JsonValue pair = v[i];
-        if (!pair.is_array() || pair.size() != 2) pair.fail_type("[number, colour]");
+        if (!pair.is_array() || pair.size() != 2) pair.fail_type("[number, color]");
         stops.push_back({pair[0].single(), pair[1].color()});
-        if (i > 0 && !(stops[i - 1].position < stops[i].position)) pair.fail("the numbers of stops must ascend");
+        if (i > 0 && !(stops[i - 1].position < stops[i].position)) pair.fail("the numbers of stops must increase");
     }
     return stops;
 }
@@ -255,7 +255,7 @@ void FathomJsonReader::read_conductor(JsonObject& o, Material& material)
     const auto v = o.get("conductor");
     if (!v) return;
     for (const char* key : {"color", "edge_color", "conductor_eta", "conductor_k", "metallic"})
-        if (o.value().has(key)) v->fail(fmt::format("stands for '{}': leave out one of both", key));
+        if (o.value().has(key)) v->fail(fmt::format("replaces '{}': give only one of them", key));
     Conductor conductor{};
     if (v->is_string()) {
         std::vector<std::string> names;

@@ -48,7 +48,8 @@ int FathomJsonReader::add_node(const JsonValue& v, const std::string& name, int 
     o.read("name", node.name);
     if (auto t = o.get("transform")) node.parent_from_node = transform(*t);
     if (auto motion = o.get("motion")) {
-        if (v.has("transform")) motion->fail("a node that moves has no 'transform' beside its 'motion'; its keys have");
+        if (v.has("transform"))
+            motion->fail("a moving node can't have a 'transform' beside its 'motion'; give the transforms in its keys");
         read_motion(*motion, node);
     }
 
@@ -56,11 +57,11 @@ int FathomJsonReader::add_node(const JsonValue& v, const std::string& name, int 
     const auto model = o.get("model");
     const auto instance = o.get("instance");
     if (int(shape.has_value()) + int(model.has_value()) + int(instance.has_value()) > 1)
-        v.fail("a node has a shape, a 'model' or an 'instance'; put further ones into 'children'");
+        v.fail("a node can have one shape, 'model' or 'instance'; put others into 'children'");
     if (model)
         read_model(o, *model, node);
     else if (auto m = o.get("material")) {
-        if (!shape) m->fail("there is no shape or model in this node that could have a material");
+        if (!shape) m->fail("this node has no shape or model to apply a material to");
         shape->material = material(*m);
     }
     if (shape) {
@@ -102,8 +103,7 @@ void FathomJsonReader::read_motion(const JsonValue& v, Node& node)
         key.time = read_key_time(o, node.motion);
         if (auto t = o.get("transform")) key.parent_from_node = transform(*t);
         if (i > 0 && (key.parent_from_node.determinant() < 0) != (node.motion[0].parent_from_node.determinant() < 0))
-            value.fail(
-                "mirrors, and the first key doesn't (or the other way round): in between the node would be flat");
+            value.fail("only one of this key and the first key mirrors: in between, the node would be flat");
         o.done("in a key of a node's motion");
         node.motion.push_back(key);
     }
@@ -131,7 +131,7 @@ void FathomJsonReader::read_model(JsonObject& o, const JsonValue& path, Node& no
     Appended appended = found->second;
     const auto all = o.get("material");
     const auto some = o.get("materials");
-    if (all && some) some->fail("a model has either 'material' for all of it or 'materials' by name");
+    if (all && some) some->fail("a model can have either one 'material' or 'materials' by name");
     if (all || some) {
         check_copy(all ? *all : *some, std::size_t(appended.node_end - appended.first_node));
         appended = copy_nodes(scene_, appended);

@@ -25,7 +25,7 @@ double read_key_time(JsonObject& key, const std::vector<Key>& earlier)
 {
     const JsonValue value = key.require("time");
     const double time = value.number();
-    if (!earlier.empty() && !(earlier.back().time < time)) value.fail("times must ascend");
+    if (!earlier.empty() && !(earlier.back().time < time)) value.fail("times must increase");
     return time;
 }
 

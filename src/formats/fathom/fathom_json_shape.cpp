@@ -59,7 +59,7 @@ Rectangle read_rectangle(const JsonValue& v)
     rectangle.edge_u = o.require("edge_u").vec3d();
     rectangle.edge_v = o.require("edge_v").vec3d();
     if (length(cross(normalize(rectangle.edge_u), normalize(rectangle.edge_v))) < 1e-12)
-        v.fail("the edges are parallel, or one of them has no length");
+        v.fail("the edges are parallel, or one of them has zero length");
     o.done("in a rectangle");
     return rectangle;
 }
@@ -80,7 +80,7 @@ Disk read_disk(const JsonValue& v)
     Disk disk;
     o.read("center", disk.center);
     disk.normal = o.require("normal").vec3d();
-    if (length(disk.normal) == 0) v["normal"].fail("has no length");
+    if (length(disk.normal) == 0) v["normal"].fail("must not have zero length");
     o.read("radius", disk.radius);
     if (!(disk.radius > 0)) v["radius"].fail("must be greater than 0");
     o.done("in a disk");
@@ -106,8 +106,8 @@ void read_indices(JsonObject& o, Mesh& mesh)
     const auto v = o.get("indices");
     if (!v) {
         if (vertices % 3 != 0)
-            o.value()["positions"].fail(
-                fmt::format("without 'indices' each three make a triangle; {} can't be divided by 3", vertices));
+            o.value()["positions"].fail(fmt::format(
+                "without 'indices', each three positions make a triangle; {} is not a multiple of 3", vertices));
         for (std::size_t i = 0; i < vertices; ++i) mesh.indices.push_back(std::uint32_t(i));
         return;
     }
@@ -162,7 +162,7 @@ void FathomJsonReader::read_mesh_motion(const JsonValue& v, Mesh& mesh)
         if (auto file = read_data_file(o)) {
             if (file->mesh.positions.size() != vertices)
                 value["file"].fail(
-                    fmt::format("has {} vertices, and the mesh {}", file->mesh.positions.size(), vertices));
+                    fmt::format("has {} vertices, but the mesh has {}", file->mesh.positions.size(), vertices));
             key.positions = std::move(file->mesh.positions);
             key.normals = std::move(file->mesh.normals);
         } else {
@@ -224,11 +224,11 @@ void read_curves_of_key(const JsonValue& all, const Curves& curves, CurvesKey& k
 {
     const auto radius_of = [&](std::size_t point) { return point < curves.radii.size() ? curves.radii[point] : 0; };
     if (all.array().size() != curves.counts.size())
-        all.fail(fmt::format("has {} curves, and there are {}", all.size(), curves.counts.size()));
+        all.fail(fmt::format("has {} curves, but there are {}", all.size(), curves.counts.size()));
     for (std::size_t i = 0; i < all.size(); ++i) {
         const JsonValue curve = all[i];
         if (curve.array().size() != curves.counts[i])
-            curve.fail(fmt::format("has {} points, and the curve {}", curve.size(), curves.counts[i]));
+            curve.fail(fmt::format("has {} points, but the curve has {}", curve.size(), curves.counts[i]));
         for (std::size_t k = 0; k < curve.size(); ++k)
             read_ball(curve[k], radius_of(key.radii.size()), key.points, key.radii);
     }
@@ -258,8 +258,8 @@ void FathomJsonReader::read_curves_motion(const JsonValue& v, Curves& curves)
         key.time = read_key_time(o, curves.motion);
         if (auto file = read_data_file(o)) {
             if (file->mesh.positions.size() != curves.points.size())
-                value["file"].fail(fmt::format("has {} vertices, and the curves {} points", file->mesh.positions.size(),
-                                               curves.points.size()));
+                value["file"].fail(fmt::format("has {} vertices, but the curves have {} points",
+                                               file->mesh.positions.size(), curves.points.size()));
             key.points = std::move(file->mesh.positions);
             key.radii = std::move(file->radii);
         } else if (auto all = o.get("curves")) {
@@ -277,7 +277,7 @@ Transform read_rotation(const JsonValue& v)
 {
     JsonObject o(v);
     const Vec3d axis = o.require("axis").vec3d();
-    if (length(axis) == 0) v["axis"].fail("has no length");
+    if (length(axis) == 0) v["axis"].fail("must not have zero length");
     const double angle = o.require("angle_deg").number() * std::numbers::pi / 180;
     o.done("in a rotation");
     return Transform::rotate(axis, angle);
@@ -312,7 +312,7 @@ std::optional<Shape> FathomJsonReader::read_shape(JsonObject& o)
 {
     std::optional<Shape> shape;
     const auto set = [&](const JsonValue& v, auto geometry) {
-        if (shape) v.fail("a node has one shape; put further ones into 'children'");
+        if (shape) v.fail("a node can have only one shape; put others into 'children'");
         shape.emplace();
         shape->geometry = geometry;
     };

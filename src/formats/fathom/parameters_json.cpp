@@ -108,8 +108,8 @@ private:
     {
         const double limited = std::clamp(v, p.least, p.most);
         if (limited != v)
-            names_.warnings.add(fmt::format("{}: {}: {} of '{}' becomes {}, as a file has it from {} to {}",
-                                            names_.file, p.key, v, printable(owner_.name), limited, p.least, p.most));
+            names_.warnings.add(fmt::format("{}: {}: {} of '{}' becomes {}, because files allow {} to {}", names_.file,
+                                            p.key, v, printable(owner_.name), limited, p.least, p.most));
         return limited;
     }
     Color inside(const P& p, const Color& c) const

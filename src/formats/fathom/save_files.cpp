@@ -88,7 +88,7 @@ void SaveFiles::write() const
         for (const auto& [file, write] : files_)
             if (fs::exists(file, error)) check(file);
     fs::create_directory(folder_, error);
-    if (error) throw Error(folder_.string(), "", fmt::format("can't make this folder: {}", error.message()));
+    if (error) throw Error(folder_.string(), "", fmt::format("can't create this folder: {}", error.message()));
     for (const auto& [file, write] : files_) write(file);
 }
 

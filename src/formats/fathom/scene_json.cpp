@@ -116,7 +116,7 @@ private:
             const ImageFile& image = scene_.images[i];
             std::string path = image.bytes.empty() ? files_.refer(image.path) : std::string();
             if (!is_used[i])
-                warn("pictures that nothing shows are left out");
+                warn("images that no texture uses are not written");
             else if (path.empty())
                 path = files_.add(fmt::format("picture-{}-{}", i, std::filesystem::path(image.name).stem().string()),
                                   extension_of(image), [&image](const auto& target) { write_picture(image, target); });
@@ -164,7 +164,8 @@ private:
             if (node.light >= 0) has_light_[std::size_t(node.light)] = true;
             constexpr int highest = 201;
             if (height(int(i)) > highest)
-                throw Error(file_, "", fmt::format("nodes are nested more than {} deep, as no file may", highest - 1));
+                throw Error(file_, "",
+                            fmt::format("nodes are nested more than {} deep, which no file allows", highest - 1));
         }
     }
     int height(int index)
@@ -187,7 +188,7 @@ private:
         if (hints.width && hints.height)
             json["size"] = {*hints.width, *hints.height};
         else if (hints.width || hints.height)
-            warn("a width or a height of the picture alone is left out");
+            warn("an image width without a height, or a height without a width, is not written");
         add_hint("samples", hints.samples);
         add_hint("max_depth", hints.max_depth);
         add_hint("roulette_depth", hints.roulette_depth);
@@ -206,7 +207,7 @@ private:
     Json camera_json(const Camera& camera, std::size_t i)
     {
         if (!has_camera_[i]) {
-            warn("cameras that no node has are left out");
+            warn("cameras that no node uses are not written");
             return {};
         }
         const Camera usual;
@@ -227,7 +228,7 @@ private:
             json["shutter"] = {number_json(camera.shutter_open), number_json(camera.shutter_close)};
         if (camera.kind == CameraKind::orthographic) {
             put_unless_default(json, "height", number_json(camera.height), number_json(usual.height));
-            if (camera.aperture != 0) warn("the lens of an orthographic camera is left out");
+            if (camera.aperture != 0) warn("the lens of an orthographic camera is ignored");
             return json;
         }
         if (camera.kind != CameraKind::perspective) return json;
@@ -240,7 +241,7 @@ private:
     Json light_json(const Light& light, std::size_t i)
     {
         if (!has_light_[i]) {
-            warn("lights that no node has are left out");
+            warn("lights that no node uses are not written");
             return {};
         }
         const Light usual;

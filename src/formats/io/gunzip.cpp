@@ -14,7 +14,7 @@ std::string gunzip(const std::string& file, std::string_view bytes)
 {
     constexpr std::size_t most = std::size_t(1) << 34;
     z_stream stream{};
-    if (inflateInit2(&stream, 15 + 16) != Z_OK) throw Error(file, "", "zlib has no memory");
+    if (inflateInit2(&stream, 15 + 16) != Z_OK) throw Error(file, "", "zlib ran out of memory");
     struct End {
         z_stream& stream;
         ~End() { inflateEnd(&stream); }
@@ -24,7 +24,7 @@ std::string gunzip(const std::string& file, std::string_view bytes)
     int status = Z_OK;
     while (status != Z_STREAM_END) {
         if (made == text.size()) {
-            if (made >= most) throw Error(file, "", "more than 16 GiB are compressed in it");
+            if (made >= most) throw Error(file, "", "its uncompressed size exceeds 16 GiB");
             text.resize(std::max<std::size_t>(std::size_t(1) << 16, made * 2));
         }
         const auto limited = [](std::size_t n) { return uInt(std::min<std::size_t>(n, std::size_t(1) << 30)); };
@@ -38,7 +38,7 @@ std::string gunzip(const std::string& file, std::string_view bytes)
         given += in - stream.avail_in;
         made += out - stream.avail_out;
         if (status != Z_OK && status != Z_STREAM_END)
-            throw Error(file, "", "the compressed data are damaged or end too early");
+            throw Error(file, "", "the compressed data is damaged or truncated");
         // A gzip file may consist of several concatenated streams.
         if (status == Z_STREAM_END && is_gzip(bytes.substr(given)) && inflateReset(&stream) == Z_OK) status = Z_OK;
     }

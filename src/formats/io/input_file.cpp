@@ -117,7 +117,7 @@ void InputFile::read_to_the_end(bool has_size)
             if (size < start_.size()) break;
             // Input from a pipe might never end.
             if (size > (std::size_t(1) << 32) && !has_size)
-                throw Error(name_, "", "gives more than 4 GB and is no regular file");
+                throw Error(name_, "", "provides more than 4 GB and is not a regular file");
             start_.resize(2 * size);
         }
         start_.resize(size);

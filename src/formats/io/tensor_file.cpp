@@ -52,10 +52,10 @@ private:
 TensorFile::TensorFile(std::string name, std::string_view bytes) : name_(std::move(name))
 {
     HeaderReader header(*this, bytes);
-    if (!bytes.starts_with(magic)) fail("", "is no tensor file, as measured materials of the RGL's database are");
+    if (!bytes.starts_with(magic)) fail("", "is not a tensor file, the format of the RGL material database");
     header.text(magic.size());
     const auto major = header.number<std::uint8_t>(), minor = header.number<std::uint8_t>();
-    if (major != 1) fail("header", fmt::format("is of version {}.{}: 1.0 is known", major, minor));
+    if (major != 1) fail("header", fmt::format("has version {}.{}: only 1.0 is supported", major, minor));
     const auto count = header.number<std::uint32_t>();
     for (std::uint32_t i = 0; i < count; ++i) {
         const std::string field_name(header.text(header.number<std::uint16_t>()));
@@ -65,7 +65,7 @@ TensorFile::TensorFile(std::string name, std::string_view bytes) : name_(std::mo
         field.type = header.number<std::uint8_t>();
         const auto offset = header.number<std::uint64_t>();
         if (dimensions > max_dimensions)
-            fail(place, fmt::format("has {} dimensions: up to {} are possible", dimensions, max_dimensions));
+            fail(place, fmt::format("has {} dimensions: up to {} are supported", dimensions, max_dimensions));
         if (field.type >= std::size(type_bytes) || type_bytes[field.type] == 0)
             fail(place, fmt::format("has numbers of an unknown type, {}", field.type));
         // Sizes can't overflow, because no product may exceed the size of the file. Arrays with a dimension of 0 may
@@ -73,12 +73,13 @@ TensorFile::TensorFile(std::string name, std::string_view bytes) : name_(std::mo
         std::uint64_t size = type_bytes[field.type];
         for (int d = 0; d < dimensions; ++d) {
             field.shape.push_back(header.number<std::uint64_t>());
-            if (size > 0 && field.shape.back() > bytes.size() / size) fail(place, "has more numbers than the file");
+            if (size > 0 && field.shape.back() > bytes.size() / size)
+                fail(place, "has more numbers than fit into the file");
             size *= field.shape.back();
         }
-        if (offset > bytes.size() || size > bytes.size() - offset) fail(place, "ends behind the end of the file");
+        if (offset > bytes.size() || size > bytes.size() - offset) fail(place, "ends beyond the end of the file");
         field.bytes = bytes.substr(offset, size);
-        if (!fields_.emplace(field_name, std::move(field)).second) fail(place, "is there twice");
+        if (!fields_.emplace(field_name, std::move(field)).second) fail(place, "appears twice");
     }
 }
 
@@ -93,9 +94,9 @@ const TensorFile::Field& TensorFile::floats(const std::string& name, std::size_t
     const std::string place = fmt::format("'{}'", name);
     const Field* const field = find(name);
     if (!field) fail(place, "is missing");
-    if (field->type != std::uint8_t(Type::float32)) fail(place, "must be of floats of 32 bits");
+    if (field->type != std::uint8_t(Type::float32)) fail(place, "must contain 32-bit floats");
     if (field->shape.size() != dimensions)
-        fail(place, fmt::format("has {} dimensions, where {} belong", field->shape.size(), dimensions));
+        fail(place, fmt::format("has {} dimensions, expected {}", field->shape.size(), dimensions));
     for (const std::uint64_t size : field->shape)
         if (size == 0) fail(place, "is empty");
     return *field;

@@ -143,7 +143,7 @@ Json parse_json(const std::string& file, std::string_view text, DuplicateKeys du
         }
         const std::size_t byte = std::min(text.size(), e.byte > 0 ? e.byte - 1 : 0);
         if (byte >= text.size() || reason.find("end of input") != std::string::npos)
-            reason = "the file ends too early: " + reason;
+            reason = "the file is truncated: " + reason;
         // Tokens quoted from the file may be long or binary.
         if (reason.size() > 160) reason = reason.substr(0, 160) + "...";
         for (char& c : reason)
@@ -152,7 +152,7 @@ Json parse_json(const std::string& file, std::string_view text, DuplicateKeys du
     }
     if (duplicates == DuplicateKeys::error && !builder.duplicate.empty())
         throw Error(file, place_of_second(text, builder.duplicate),
-                    fmt::format("key '{}' stands twice in one object", printable(builder.duplicate)));
+                    fmt::format("key '{}' appears twice in one object", printable(builder.duplicate)));
     return std::move(builder.root);
 }
 
@@ -174,7 +174,7 @@ const char* json_type(const Json& value)
         case Json::value_t::number_float:
             return "a number";
         default:
-            return "no JSON value";
+            return "not a JSON value";
     }
 }
 

@@ -87,7 +87,7 @@ std::size_t JsonValue::count() const
     if (!json_->is_number()) fail_type("a whole number");
     const double value = json_->get<double>();
     if (!(value >= 0 && value <= 9007199254740992.0 && value == std::floor(value)))
-        fail(fmt::format("expected a whole number from 0 on, found {}", value));
+        fail(fmt::format("expected a whole number of at least 0, found {}", value));
     return std::size_t(value);
 }
 
@@ -141,11 +141,11 @@ Color JsonValue::color() const
     } else if (is_array() && size() == 3) {
         color = {(*this)[0].single(), (*this)[1].single(), (*this)[2].single()};
     } else if (is_array()) {
-        fail(fmt::format("expected 3 numbers (red, green, blue) or one for grey, found {} elements", size()));
+        fail(fmt::format("expected 3 numbers (red, green, blue) or one for gray, found {} elements", size()));
     } else {
-        fail_type("a colour: 3 numbers or one for grey");
+        fail_type("a color: 3 numbers or one for gray");
     }
-    if (std::min({color.r, color.g, color.b}) < 0) fail("a colour can't be negative");
+    if (std::min({color.r, color.g, color.b}) < 0) fail("a color can't be negative");
     return color;
 }
 

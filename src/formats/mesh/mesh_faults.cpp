@@ -13,8 +13,8 @@ struct Text {
 };
 constexpr Text texts[] = {
     {"degenerate triangles", "ignored"},
-    {"normals without direction", "replaced by those of the faces around"},
-    {"texture coordinates, tangents or colors that are not finite", "taken as 0"},
+    {"normals of zero length or not finite", "replaced by normals of the adjacent faces"},
+    {"texture coordinates, tangents or colors that are not finite", "replaced by 0"},
 };
 
 std::string several(std::size_t count, const char* one, const char* many)

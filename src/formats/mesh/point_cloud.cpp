@@ -29,7 +29,7 @@ bool is_finite(Vec3f p)
     return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z);
 }
 
-constexpr const char* left_out = ": points that are not finite are left out";
+constexpr const char* left_out = ": points that are not finite are ignored";
 
 }  // namespace
 

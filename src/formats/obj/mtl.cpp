@@ -64,7 +64,7 @@ private:
     {
         const std::string_view first = scan_.word();
         if (first == "spectral" || first == "xyz") {
-            warnings_.add(name_ + ": colours that are not RGB are taken as grey");
+            warnings_.add(name_ + ": colors that are not RGB are not supported: gray is used");
             return {0.5f, 0.5f, 0.5f};
         }
         Color c;
@@ -139,7 +139,7 @@ private:
         else if (lower == "disp" || lower == "map_disp")
             read_displacement(e);
         else if (lower.starts_with("map_") || lower == "decal" || lower == "refl")
-            warnings_.add(fmt::format("{}: '{}' is not supported and left out", name_, printable(key)));
+            warnings_.add(fmt::format("{}: '{}' is not supported and is ignored", name_, printable(key)));
     }
 
     float opacity()
@@ -228,7 +228,7 @@ private:
         }
         rest = file_name(rest);
         if (rest.empty()) {
-            warnings_.add(name_ + ": a texture without a file is left out");
+            warnings_.add(name_ + ": textures without a file are ignored");
             return -1;
         }
         // OBJ's v grows upward; the reader flips it.
@@ -315,7 +315,7 @@ private:
     void set_opacity(Entry& e)
     {
         if (e.opacity && e.transparency && std::abs(*e.opacity + *e.transparency - 1) > 0.01f)
-            warnings_.add(name_ + ": materials whose 'd' and 'Tr' contradict each other: 'd' counts");
+            warnings_.add(name_ + ": materials whose 'd' and 'Tr' contradict each other: 'd' is used");
         if (e.opacity || e.transparency) e.phong.opacity = e.opacity ? *e.opacity : 1 - *e.transparency;
     }
     int texture_image(int texture) const { return scene_.textures[std::size_t(texture)].image; }

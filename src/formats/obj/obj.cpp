@@ -36,7 +36,7 @@ public:
         input_.skip_byte_order_mark();
         read_pieces();
         warn_of_unknown_materials();
-        if (positions_.empty()) throw Error(name_, "", "there are no vertices in it: is it an OBJ file?");
+        if (positions_.empty()) throw Error(name_, "", "it contains no vertices: is it an OBJ file?");
         join_ = {};
         scene_.file = name_;
         for (auto& [key, part] : parts_) add_part(*part);
@@ -106,9 +106,9 @@ private:
         // Parsing again from the right line number throws the error with its line.
         if (piece.is_damaged) read_obj_piece(piece, name_, line_);
         line_ += piece.lines;
-        warn("lines are not shown", piece.drawn_lines);
-        warn("curves and free-form surfaces are not shown", piece.free_forms);
-        warn("lines that are not understood are left out", piece.unknown_lines);
+        warn("line elements are ignored", piece.drawn_lines);
+        warn("curves and free-form surfaces are ignored", piece.free_forms);
+        warn("statements that are not recognized are ignored", piece.unknown_lines);
     }
 
     static ObjCounts sum(const ObjCounts& a, const ObjCounts& b)
@@ -123,7 +123,7 @@ private:
         uvs_.append(piece.uvs);
         normals_.append(piece.normals);
         if (std::max({positions_.size(), uvs_.size(), normals_.size()}) >= std::size_t(ObjCorner::most))
-            throw Error(name_, "", "there are more than two billion vertices in it");
+            throw Error(name_, "", "it contains more than two billion vertices");
         if (!piece.colors.empty()) {
             if (colors_.empty()) first_color_ = before + piece.first_color;
             colors_.resize(before + piece.first_color, ObjPiece::no_color);
@@ -186,7 +186,7 @@ private:
         if (!find(corner.position, so_far_.positions, v.position)) return false;
         if (corner.uv != ObjCorner::absent && !find(corner.uv, so_far_.uvs, v.uv)) return false;
         if (corner.normal != ObjCorner::absent && !find(corner.normal, so_far_.normals, v.normal)) {
-            warn("normals that are not there are replaced by those of the faces around");
+            warn("normal indices out of range are replaced by normals of the adjacent faces");
             v.normal = ObjVertex::missing;
         }
         return true;
@@ -202,7 +202,7 @@ private:
             has_normals &= corners_[k].normal != ObjVertex::none;
         }
         corners_seen_ += count;
-        if (count < 3) return warn("faces with fewer than three corners are left out");
+        if (count < 3) return warn("faces with fewer than three vertices are ignored");
         ObjPart& part = part_for(has_normals);
         part.has_colors |= so_far_.positions > first_color_;
         if (count == 3) {
@@ -235,7 +235,7 @@ private:
             if (word.size() > 1 && word[1] != '/')
                 index(scan, word.substr(1, word.find('/', 1) - 1), so_far_.uvs, "texture coordinate");
         }
-        scan.fail("a corner is out of range");
+        scan.fail("a vertex index is out of range");
     }
 
     ObjPart& part_for(bool has_normals)

@@ -46,7 +46,7 @@ public:
             const std::size_t least =
                 header_.format == PlyFormat::ascii ? 2 * element.properties.size() : element.min_size();
             if (least > 0 && element.count > (body_.bytes_left() + 1) / least)
-                body_.fail(fmt::format("{} elements '{}' do not fit into the file, which ends too early", element.count,
+                body_.fail(fmt::format("{} elements '{}' do not fit into the file, which is truncated", element.count,
                                        printable(element.name)));
             if (element.name == "vertex")
                 read_vertices(element);
@@ -325,7 +325,7 @@ private:
     [[noreturn]] void fail_curve(std::size_t curve, double count) const
     {
         throw Error(file_, fmt::format("curve {}", curve),
-                    fmt::format("{} vertices, of {} that there are", count, mesh_.positions.size()));
+                    fmt::format("expected {} vertices, but there are only {}", count, mesh_.positions.size()));
     }
 
     /// Reads triangle strips (`tristrips`), as Stanford's files have.
@@ -356,8 +356,7 @@ private:
 SceneDescription point_cloud(PlyData points, const std::filesystem::path& file, LoadContext& context)
 {
     const std::string name = file.string();
-    context.warnings.add(name + ": points have no colours of their own here: they are grey",
-                         !points.mesh.colors.empty());
+    context.warnings.add(name + ": colors of points are not supported: gray is used", !points.mesh.colors.empty());
     SceneDescription scene;
     scene.file = name;
     Points cloud;
@@ -384,10 +383,11 @@ SceneDescription read_ply(const std::filesystem::path& file, InputFile& input, L
     const std::string name = file.string();
     PlyData data = read_ply_data(input);
     Mesh& mesh = data.mesh;
-    if (mesh.positions.empty()) throw Error(name, "", "there are no vertices in it");
+    if (mesh.positions.empty()) throw Error(name, "", "it contains no vertices");
     if (mesh.indices.empty() && data.bad_faces == 0) return point_cloud(std::move(data), file, context);
-    if (mesh.indices.empty()) throw Error(name, "", "there are no triangles in it: its faces have fewer corners");
-    context.warnings.add(name + ": faces with fewer than three corners are left out", data.bad_faces);
+    if (mesh.indices.empty())
+        throw Error(name, "", "it contains no triangles: its faces have fewer than three vertices");
+    context.warnings.add(name + ": faces with fewer than three vertices are ignored", data.bad_faces);
     mesh.name = file.stem().string();
     if (mesh.colors.empty() && !data.face_colors.empty()) set_face_colors(mesh, data.face_colors);
     clean_mesh(mesh, name, context.mesh_faults);
@@ -399,7 +399,7 @@ SceneDescription read_ply(const std::filesystem::path& file, InputFile& input, L
     Shape shape{MeshInstance{0}, -1, mesh.name};
     if (!mesh.colors.empty()) {
         Material colored;
-        colored.name = "vertex colours";
+        colored.name = "vertex colors";
         colored.base_color.value = {1, 1, 1};
         colored.use_vertex_color = true;
         scene.materials.push_back(std::move(colored));

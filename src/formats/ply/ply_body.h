@@ -59,7 +59,7 @@ public:
     std::size_t list_length(PlyType type)
     {
         const double length = number(type);
-        if (!(length >= 0)) fail(fmt::format("a list of {} elements", length));
+        if (!(length >= 0)) fail(fmt::format("a list can't have {} elements", length));
         if (length > double(bytes_left()) + 1)
             fail(fmt::format("a list of {} elements does not fit into the file", length));
         return std::size_t(length);
@@ -80,7 +80,7 @@ public:
     const char* take(std::size_t size)
     {
         const char* const data = window_.take(size);
-        if (!data) fail("the file ends too early");
+        if (!data) fail("the file is truncated");
         return data;
     }
     std::uint64_t bytes_left() const { return window_.bytes_left() + (text_.end() - scan_.position()); }
@@ -112,7 +112,7 @@ private:
             text = window_.peek(2 * before < window_.bytes_left() ? 2 * before : std::size_t(window_.bytes_left()));
             size = text.size() == before ? before : blank_end(text);
         }
-        if (size == 0) scan_.fail("the file ends too early");
+        if (size == 0) scan_.fail("the file is truncated");
         text_ = text.substr(0, size);
         window_.pass(size);
         scan_ = TextScanner(file_, text_, scan_.line());

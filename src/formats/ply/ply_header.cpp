@@ -18,7 +18,7 @@ PlyType read_type(const TextScanner& scan, std::string_view word)
         {"float", PlyType::f32}, {"float32", PlyType::f32}, {"double", PlyType::f64}, {"float64", PlyType::f64}};
     for (const auto& [name, type] : types)
         if (word == name) return type;
-    scan.fail(fmt::format("'{}' is no type", printable(word)));
+    scan.fail(fmt::format("'{}' is not a type", printable(word)));
 }
 
 PlyProperty read_property(TextScanner& scan)
@@ -44,7 +44,7 @@ PlyFormat read_format(TextScanner& scan)
     if (word == "ascii") return PlyFormat::ascii;
     if (word == "binary_little_endian") return PlyFormat::little_endian;
     if (word == "binary_big_endian") return PlyFormat::big_endian;
-    scan.fail(fmt::format("'{}' is no format of PLY", printable(word)));
+    scan.fail(fmt::format("'{}' is not a PLY format", printable(word)));
 }
 
 /// Whether header lines end with CR alone. An LF after the last CR then is the first byte of the body.
@@ -111,11 +111,11 @@ PlyHeader read_ply_header(const std::string& file, InputWindow& window)
     const std::string_view bytes = header_text(file, window);
     PlyHeader header;
     TextScanner scan(file, bytes);
-    if (scan.word() != "ply") scan.fail("this is no PLY file: it must begin with 'ply'");
+    if (scan.word() != "ply") scan.fail("this is not a PLY file: it must begin with 'ply'");
     bool has_format = false;
     for (;;) {
         scan.next_line();
-        if (scan.at_end()) scan.fail("the file ends in its header: there is no 'end_header'");
+        if (scan.at_end()) scan.fail("the file ends within its header: there is no 'end_header'");
         const std::string_view key = scan.word();
         if (key == "end_header") break;
         if (key == "format") {
@@ -130,10 +130,10 @@ PlyHeader read_ply_header(const std::string& file, InputWindow& window)
             if (header.elements.empty()) scan.fail("a property before the first element");
             header.elements.back().properties.push_back(read_property(scan));
         } else if (!key.empty() && key != "comment" && key != "obj_info") {
-            scan.fail(fmt::format("'{}' does not belong into the header of a PLY file", printable(key)));
+            scan.fail(fmt::format("'{}' is not allowed in the header of a PLY file", printable(key)));
         }
     }
-    if (!has_format) scan.fail("the header does not say the format");
+    if (!has_format) scan.fail("the header does not specify the format");
     header.lines = scan.line();
     const std::size_t size = header_end(file, bytes);
     window.pass(size > 0 ? size : bytes.size());

@@ -82,13 +82,13 @@ private:
 
     void read_binary(const std::string& bytes)
     {
-        if (bytes.size() < header_size) throw Error(name_, "", "this is no STL file: it ends in its header");
+        if (bytes.size() < header_size) throw Error(name_, "", "this is not an STL file: it ends within its header");
         const std::size_t promised = promised_triangles(bytes);
         const std::size_t there = (bytes.size() - header_size) / triangle_size;
         if (there < promised)
             throw Error(
                 name_, "",
-                fmt::format("the file ends too early: {} triangles are promised, there are {}", promised, there));
+                fmt::format("the file is truncated: its header says {} triangles, but there are {}", promised, there));
         mesh_.indices.reserve(3 * promised);
         for (std::size_t i = 0; i < promised; ++i) {
             const char* corners = bytes.data() + header_size + i * triangle_size + 12;
@@ -116,8 +116,8 @@ private:
                 if (equals(word, "vertex")) read_vertex(scan);
             }
         }
-        if (mesh_.indices.size() % 3 != 0) scan.fail("the file ends in a triangle");
-        warnings_.add(name_ + ": the file ends without 'endsolid': its end may be missing", is_open);
+        if (mesh_.indices.size() % 3 != 0) scan.fail("the file ends within a triangle");
+        warnings_.add(name_ + ": the file ends without 'endsolid': it may be truncated", is_open);
     }
     void read_vertex(TextScanner& scan)
     {
@@ -146,7 +146,7 @@ SceneDescription read_stl(const std::filesystem::path& file, const std::string& 
 {
     const std::string name = file.string();
     Mesh mesh = StlReader(name, context.warnings).read(bytes);
-    if (mesh.indices.empty()) throw Error(name, "", "there are no triangles in it");
+    if (mesh.indices.empty()) throw Error(name, "", "it contains no triangles");
     mesh.name = file.stem().string();
     clean_mesh(mesh, name, context.mesh_faults);
     SceneDescription scene;

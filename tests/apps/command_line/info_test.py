@@ -159,10 +159,10 @@ class Info(CommandLine):
         """Each once, with how often; by the same words as render says them."""
         def told(name):
             return {w["message"]: w["count"] for w in self.info(name)["warnings"]}
-        self.assertEqual(told("a.obj"), {"a.obj: lines are not shown": 2})
+        self.assertEqual(told("a.obj"), {"a.obj: line elements are ignored": 2})
         self.assertEqual(len([w for w in told("a.xml") if "polarizer" in w]), 1)
         self.assertEqual(len([w for w in told("a.glb") if "EXT_nobody_knows" in w]), 1)
-        self.assertRegex(self.ok("info", "a.obj", program=PROGRAM).stdout, r"warning +a.obj: lines are not shown \(2 times\)\n")
+        self.assertRegex(self.ok("info", "a.obj", program=PROGRAM).stdout, r"warning +a.obj: line elements are ignored \(2 times\)\n")
         self.assertEqual(told("a.ply"), {})
         self.assertRegex(self.ok("info", "a.ply", program=PROGRAM).stdout, r"ignored +nothing\n")
 

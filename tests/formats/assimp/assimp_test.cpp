@@ -220,8 +220,8 @@ TEST_F(AssimpModule, Off)
 
 TEST_F(AssimpModule, Mistakes)
 {
-    EXPECT_EQ(error_of("a.txt", "hello"), "no reader knows this format");
-    EXPECT_EQ(error_of("a", "hello"), "no reader knows this format");
+    EXPECT_EQ(error_of("a.txt", "hello"), "this format is not supported");
+    EXPECT_EQ(error_of("a", "hello"), "this format is not supported");
     EXPECT_NE(error_of("a.fbx", "hello"), "loaded");
     EXPECT_NE(error_of("a.dae", "<COLLADA"), "loaded");
     EXPECT_NE(error_of("a.3ds", std::string(100, 'M')), "loaded");

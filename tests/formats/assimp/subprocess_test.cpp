@@ -67,7 +67,7 @@ TEST(RunApart, EndsWorkThatOnlyWaits)
             },
             0, memory);
     });
-    EXPECT_EQ(result.failure, "it took too long or too much memory");
+    EXPECT_EQ(result.failure, "it exceeded its time or memory limit");
     EXPECT_GE(seconds, 2) << "processor time is no measure of work that waits";
 }
 

@@ -156,37 +156,38 @@ TEST(MeasuredFile, BrokenOnesAreToldWithTheirPlace)
         return message_of(file.bytes());
     };
     EXPECT_EQ(message_of(file_of().bytes()), "read");
-    EXPECT_EQ(message_of(""), "is no tensor file, as measured materials of the RGL's database are");
+    EXPECT_EQ(message_of(""), "is not a tensor file, the format of the RGL material database");
     EXPECT_EQ(broken([](File& f) { f.magic[0] = 'T'; }),
-              "is no tensor file, as measured materials of the RGL's database are");
-    EXPECT_EQ(broken([](File& f) { f.magic[12] = 2; }), "header: is of version 2.0: 1.0 is known");
+              "is not a tensor file, the format of the RGL material database");
+    EXPECT_EQ(broken([](File& f) { f.magic[12] = 2; }), "header: has version 2.0: only 1.0 is supported");
     EXPECT_EQ(broken([](File& f) { f.count_error = 1u << 30; }).substr(0, 1), "'");
-    EXPECT_EQ(broken([](File& f) { f.offset_error = 1; }), "'description': ends behind the end of the file");
+    EXPECT_EQ(broken([](File& f) { f.offset_error = 1; }), "'description': ends beyond the end of the file");
     EXPECT_EQ(broken([](File& f) { f["ndf"].type = 12; }), "'ndf': has numbers of an unknown type, 12");
-    EXPECT_EQ(broken([](File& f) { f["ndf"].type = 5; }), "'ndf': must be of floats of 32 bits");
+    EXPECT_EQ(broken([](File& f) { f["ndf"].type = 5; }), "'ndf': must contain 32-bit floats");
     EXPECT_EQ(broken([](File& f) { f["ndf"].name = "nfd"; }), "'ndf': is missing");
     EXPECT_EQ(broken([](File& f) { f["rgb"].name = "bgr"; }), "'rgb': is missing");
-    EXPECT_EQ(broken([](File& f) { f["ndf"].name = "sigma"; }), "'sigma': is there twice");
-    EXPECT_EQ(broken([](File& f) { f["ndf"].shape = {6}; }), "'ndf': has 1 dimensions, where 2 belong");
+    EXPECT_EQ(broken([](File& f) { f["ndf"].name = "sigma"; }), "'sigma': appears twice");
+    EXPECT_EQ(broken([](File& f) { f["ndf"].shape = {6}; }), "'ndf': has 1 dimensions, expected 2");
     EXPECT_EQ(broken([](File& f) { f["ndf"].shape = {0, 3}; }), "'ndf': is empty");
     EXPECT_EQ(broken([](File& f) { f["ndf"].shape = std::vector<std::uint64_t>(9, 1); }),
-              "'ndf': has 9 dimensions: up to 8 are possible");
+              "'ndf': has 9 dimensions: up to 8 are supported");
     const std::uint64_t huge = 1ull << 33;
-    EXPECT_EQ(broken([&](File& f) { f["ndf"].shape = {huge, huge}; }), "'ndf': has more numbers than the file");
-    EXPECT_EQ(broken([&](File& f) { f["ndf"].shape = {~0ull, 2}; }), "'ndf': has more numbers than the file");
+    EXPECT_EQ(broken([&](File& f) { f["ndf"].shape = {huge, huge}; }),
+              "'ndf': has more numbers than fit into the file");
+    EXPECT_EQ(broken([&](File& f) { f["ndf"].shape = {~0ull, 2}; }), "'ndf': has more numbers than fit into the file");
     EXPECT_EQ(broken([](File& f) { f["vndf"].shape = {2, 3, 2, 3}; }),
-              "'vndf': has 2 tables along dimension 0, where 3 belong");
+              "'vndf': has 2 tables along dimension 0, expected 3");
     EXPECT_EQ(broken([](File& f) { f["rgb"].shape = {3, 2, 2, 3, 3}; }),
-              "'rgb': has 2 tables along dimension 2, where 3 belong");
+              "'rgb': has 2 tables along dimension 2, expected 3");
     EXPECT_EQ(broken([](File& f) { f["ndf"].shape = {1, 6}; }),
-              "'ndf': a table of 6 by 1 values: 2 to 4096 are possible each way");
-    EXPECT_EQ(broken([](File& f) { f["sigma"].values[3] = NAN; }), "'sigma': nan is no value that can be rendered");
-    EXPECT_EQ(broken([](File& f) { f["vndf"].values[9] = -1; }), "'vndf': -1 is no value that can be rendered");
+              "'ndf': a table of 6 by 1 values: 2 to 4096 are supported along each axis");
+    EXPECT_EQ(broken([](File& f) { f["sigma"].values[3] = NAN; }), "'sigma': the value nan can't be rendered");
+    EXPECT_EQ(broken([](File& f) { f["vndf"].values[9] = -1; }), "'vndf': the value -1 can't be rendered");
     EXPECT_EQ(broken([](File& f) { f["rgb"].values[9] = -1; }), "read");
-    EXPECT_EQ(broken([](File& f) { f["rgb"].values[9] = INFINITY; }), "'rgb': inf is no value that can be rendered");
-    EXPECT_EQ(broken([](File& f) { f["theta_i"].values[1] = 0; }), "'theta_i': angles must ascend");
-    EXPECT_EQ(broken([](File& f) { f["phi_i"].values[1] = 90; }), "'phi_i': 90 is no angle in radians");
-    EXPECT_EQ(broken([](File& f) { f["wavelengths"].values[1] = 400; }, true), "'wavelengths': must ascend");
+    EXPECT_EQ(broken([](File& f) { f["rgb"].values[9] = INFINITY; }), "'rgb': the value inf can't be rendered");
+    EXPECT_EQ(broken([](File& f) { f["theta_i"].values[1] = 0; }), "'theta_i': angles must increase");
+    EXPECT_EQ(broken([](File& f) { f["phi_i"].values[1] = 90; }), "'phi_i': 90 is not an angle in radians");
+    EXPECT_EQ(broken([](File& f) { f["wavelengths"].values[1] = 400; }, true), "'wavelengths': must increase");
     EXPECT_EQ(broken([](File& f) { f["wavelengths"].shape = {0}; }, true), "'wavelengths': is empty");
     EXPECT_EQ(broken([](File& f) { f["wavelengths"].name = "waves"; }, true), "'wavelengths': is missing");
 }

@@ -19,10 +19,10 @@ TEST_F(FathomJsonErrors, Syntax)
     EXPECT_EQ(error_of("a.json", "{\n  \"scene\": [\n  ,]\n}"),
               "line 3, column 3: not JSON: unexpected ','; expected '[', '{', or a literal");
     EXPECT_EQ(error_of("b.json", "{\"scene\": ["),
-              "line 1, column 12: not JSON: the file ends too early: unexpected end of input; expected '[', '{', or a "
+              "line 1, column 12: not JSON: the file is truncated: unexpected end of input; expected '[', '{', or a "
               "literal");
     EXPECT_EQ(error_of("c.json", R"({"materials": {"red": {}, "red": {}}})"),
-              "line 1, column 27: key 'red' stands twice in one object");
+              "line 1, column 27: key 'red' appears twice in one object");
     EXPECT_EQ(error_of("d.json", R"({"scene": [1e999]})"),
               "line 1, column 12: not JSON: number overflow parsing '1e999'");
     EXPECT_EQ(error_of("e.json", "[]"), "expected an object, found an array");
@@ -57,9 +57,9 @@ INSTANTIATE_TEST_SUITE_P(
         Case{R"({"materials": {"m": {"kind": "metal", "conductor": "gild"}}})",
              "/materials/m/conductor: unknown value 'gild'; did you mean 'gold'?"},
         Case{R"({"materials": {"m": {"kind": "principled", "conductor": "gold", "metallic": 1}}})",
-             "/materials/m/conductor: stands for 'metallic': leave out one of both"},
+             "/materials/m/conductor: replaces 'metallic': give only one of them"},
         Case{R"({"sceen": []})", "/sceen: unknown key 'sceen' in a scene; did you mean 'scene'?"},
-        Case{R"({"fathom": 2})", "/fathom: format 2 is not known; this version reads format 1"}));
+        Case{R"({"fathom": 2})", "/fathom: format 2 is not supported; this version reads format 1"}));
 
 INSTANTIATE_TEST_SUITE_P(
     Types, FathomJsonError,
@@ -68,19 +68,19 @@ INSTANTIATE_TEST_SUITE_P(
         Case{R"({"camera": {"position": [1, 2]}})", "/camera/position: expected 3 numbers, found 2"},
         Case{R"({"camera": {"position": [1, 2, null]}})", "/camera/position/2: expected a number, found null"},
         Case{R"({"materials": {"m": {"color": true}}})",
-             "/materials/m/color: expected a colour: 3 numbers or one for grey, found true or false"},
+             "/materials/m/color: expected a color: 3 numbers or one for gray, found true or false"},
         Case{R"({"materials": {"m": {"color": [1, 0, 2]}}})",
-             "/materials/m/color: a reflectance above 1 would make light out of nothing"},
-        Case{R"({"materials": {"m": {"color": [1, -0.1, 0]}}})", "/materials/m/color: a colour can't be negative"},
+             "/materials/m/color: a reflectance above 1 would violate energy conservation"},
+        Case{R"({"materials": {"m": {"color": [1, -0.1, 0]}}})", "/materials/m/color: a color can't be negative"},
         Case{R"({"materials": {"m": {"roughness": 1.5}}})",
              "/materials/m/roughness: must be between 0 and 1, found 1.5"},
-        Case{R"({"render": {"size": [0, 600]}})", "/render/size/0: a picture is at least 1 pixel wide and high"},
+        Case{R"({"render": {"size": [0, 600]}})", "/render/size/0: an image must be at least 1 pixel wide and high"},
         Case{R"({"render": {"samples": 2.5}})", "/render/samples: expected a whole number, found 2.5"},
         Case{R"({"render": {"samples": 0}})", "/render/samples: must be at least 1, found 0"},
         Case{R"({"render": {"filter": "boxx"}})", "/render/filter: unknown value 'boxx'; did you mean 'box'?"},
         Case{R"({"camera": {"fov_y_deg": 180}})", "/camera/fov_y_deg: must be between 0 and 180, found 180"},
         Case{R"({"camera": {"look_at": [0, 0, 0]}})", "/camera: 'position' and 'look_at' are the same point"},
-        Case{R"({"camera": {"up": [0, 0, 2]}})", "/camera: 'up' must not be zero or parallel to the direction of view"},
+        Case{R"({"camera": {"up": [0, 0, 2]}})", "/camera: 'up' must not be zero or parallel to the view direction"},
         Case{R"({"camera": {"shutter": [1, 0]}})", "/camera/shutter: the shutter closes before it opens"},
         Case{R"({"scene": [{"mesh": {"positions": [[0, 0, 1e39], [0, 0, 0], [0, 0, 0]]}}]})",
              "/scene/0/mesh/positions/0/2: 1e+39 is too large"}));
@@ -106,11 +106,11 @@ INSTANTIATE_TEST_SUITE_P(
         Case{R"({"scene": [{"box": {"min": [0, 0, 0], "max": [1, 0, 1]}}]})",
              "/scene/0/box: 'min' must be less than 'max' along each axis"},
         Case{R"({"scene": [{"rectangle": {"corner": [0, 0, 0], "edge_u": [1, 0, 0], "edge_v": [2, 0, 0]}}]})",
-             "/scene/0/rectangle: the edges are parallel, or one of them has no length"},
+             "/scene/0/rectangle: the edges are parallel, or one of them has zero length"},
         Case{R"({"scene": [{"rectangle": {"corner": [0, 0, 0]}}]})", "/scene/0/rectangle: key 'edge_u' is missing"},
-        Case{R"({"scene": [{"disk": {"normal": [0, 0, 0]}}]})", "/scene/0/disk/normal: has no length"},
+        Case{R"({"scene": [{"disk": {"normal": [0, 0, 0]}}]})", "/scene/0/disk/normal: must not have zero length"},
         Case{R"({"scene": [{"sphere": {}, "box": {"min": [0, 0, 0], "max": [1, 1, 1]}}]})",
-             "/scene/0/box: a node has one shape; put further ones into 'children'"},
+             "/scene/0/box: a node can have only one shape; put others into 'children'"},
         Case{R"({"scene": [{"sphere": {}, "transform": {"scale": 0}}]})",
              "/scene/0/transform/scale: a scale of 0 flattens the object; use a rectangle or disk"},
         Case{R"({"scene": [{"sphere": {}, "transform": {"matrix": [[1, 0, 0, 0], [1, 0, 0, 0], [0, 0, 1, 0]]}}]})",

@@ -44,13 +44,13 @@ TEST_F(FathomJsonMotion, Errors)
 {
     EXPECT_EQ(error_in_node(R"({"motion": [{"time": 0}]})"), "/scene/0/motion: expected at least 2 elements, found 1");
     EXPECT_EQ(error_in_node(R"({"motion": [{"time": 0}, {}]})"), "/scene/0/motion/1: key 'time' is missing");
-    EXPECT_EQ(error_in_node(R"({"motion": [{"time": 1}, {"time": 1}]})"), "/scene/0/motion/1/time: times must ascend");
-    EXPECT_EQ(error_in_node(R"({"transform": {}, "motion": [{"time": 0}, {"time": 1}]})"),
-              "/scene/0/motion: a node that moves has no 'transform' beside its 'motion'; its keys have");
+    EXPECT_EQ(error_in_node(R"({"motion": [{"time": 1}, {"time": 1}]})"),
+              "/scene/0/motion/1/time: times must increase");
     EXPECT_EQ(
-        error_in_node(R"({"motion": [{"time": 0}, {"time": 1, "transform": {"scale": [1, -1, 1]}}]})"),
-        "/scene/0/motion/1: mirrors, and the first key doesn't (or the other way round): in between the node would "
-        "be flat");
+        error_in_node(R"({"transform": {}, "motion": [{"time": 0}, {"time": 1}]})"),
+        "/scene/0/motion: a moving node can't have a 'transform' beside its 'motion'; give the transforms in its keys");
+    EXPECT_EQ(error_in_node(R"({"motion": [{"time": 0}, {"time": 1, "transform": {"scale": [1, -1, 1]}}]})"),
+              "/scene/0/motion/1: only one of this key and the first key mirrors: in between, the node would be flat");
     EXPECT_EQ(error_in_node(R"({"mesh": {"positions": [[0, 0, 0], [1, 0, 0], [0, 1, 0]], "motion": [{"time": 0},
                                 {"time": 1, "positions": [[0, 0, 0]]}]}})"),
               "/scene/0/mesh/motion/1/positions: expected 3 elements, one for each of 'positions', found 1");
@@ -126,11 +126,11 @@ TEST_F(FathomJsonCurves, ErrorsOfMotion)
             R"({"curves": {"basis": "linear", "curves": [[[0, 0, 0], [1, 0, 0]]], "motion": [{"time": 0}, )" + key +
             "]}}");
     };
-    EXPECT_EQ(error_in_key(R"({"time": 0})"), "/scene/0/curves/motion/1/time: times must ascend");
+    EXPECT_EQ(error_in_key(R"({"time": 0})"), "/scene/0/curves/motion/1/time: times must increase");
     EXPECT_EQ(error_in_key(R"({"time": 1, "curves": []})"),
-              "/scene/0/curves/motion/1/curves: has 0 curves, and there are 1");
+              "/scene/0/curves/motion/1/curves: has 0 curves, but there are 1");
     EXPECT_EQ(error_in_key(R"({"time": 1, "curves": [[[0, 0, 0], [1, 0, 0], [2, 0, 0]]]})"),
-              "/scene/0/curves/motion/1/curves/0: has 3 points, and the curve 2");
+              "/scene/0/curves/motion/1/curves/0: has 3 points, but the curve has 2");
     EXPECT_EQ(error_in_key(R"({"time": 1, "curves": [[[0, 0, 0], [1, 0, 0, -1]]]})"),
               "/scene/0/curves/motion/1/curves/0/1/3: a radius must not be negative");
 }

@@ -520,11 +520,11 @@ TEST_F(Save, WhatNoFileCanSayIsTold)
     const std::string file = (folder_ / "out" / "scene.json").string() + ": ";
     std::set<std::string> messages;
     for (const auto& [message, count] : save_warnings_.counts()) messages.insert(message.substr(file.size()));
-    EXPECT_EQ(messages,
-              (std::set<std::string>{"pictures that nothing shows are left out",
-                                     "cameras that no node has are left out", "lights that no node has are left out",
-                                     "a width or a height of the picture alone is left out",
-                                     "color: 2 of 'bright' becomes 1, as a file has it from 0 to 1"}));
+    EXPECT_EQ(messages, (std::set<std::string>{
+                            "images that no texture uses are not written", "cameras that no node uses are not written",
+                            "lights that no node uses are not written",
+                            "an image width without a height, or a height without a width, is not written",
+                            "color: 2 of 'bright' becomes 1, because files allow 0 to 1"}));
     EXPECT_EQ(again.materials[0].base_color.value, (Color{1, 0.5f, 0.5f}));
 }
 
@@ -570,7 +570,7 @@ TEST_F(Save, WhatIsNoSceneIsNotWritten)
     scene.nodes.resize(220);
     for (int i = 0; i < 219; ++i) scene.nodes[std::size_t(i)].children = {i + 1};
     EXPECT_EQ(error_of_saving(scene, target("out")),
-              target("out").string() + ": nodes are nested more than 200 deep, as no file may");
+              target("out").string() + ": nodes are nested more than 200 deep, which no file allows");
     EXPECT_FALSE(fs::exists(target("out")));
     scene.nodes.resize(201);
     scene.nodes[200].children.clear();

@@ -186,7 +186,7 @@ TEST_F(Growth, ManyRootsCountTogether)
 {
     // 2^24 spheres with twice that many nodes are below the limit; eight times as many exceed it.
     EXPECT_EQ(error_of("a.json", doubled(24, "n24")),
-              "roots: instances make more than 100 million nodes and shapes of it");
+              "roots: its instances expand to more than 100 million nodes and shapes");
 }
 
 TEST_F(Growth, WhatInstancesNeedIsLookedAtBeforeItIsTaken)

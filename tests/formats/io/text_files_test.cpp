@@ -186,7 +186,7 @@ TEST_F(TextFiles, CommentsBehindEveryLineOfAnObj)
     }
     EXPECT_EQ(warnings_with("missing"), 0u);
     EXPECT_EQ(warnings_with("no material"), 0u);
-    EXPECT_EQ(warnings_with("not understood"), 0u);
+    EXPECT_EQ(warnings_with("not recognized"), 0u);
 }
 
 }  // namespace

@@ -40,7 +40,8 @@ TEST_F(MeshFaultsTest, OneLineForAKindAndAFile)
     EXPECT_EQ(warnings_of(write("a.obj", faulty)), "a.obj: 2 meshes contain degenerate triangles, 4 in all; ignored\n");
     EXPECT_EQ(warnings_of(write("b.obj", flat + "vn 0 0 0\nf 1//1 2//1 4//1\nf 1//1 2//1 3//1\n")),
               "b.obj: 1 mesh contains degenerate triangles, 1 in all; ignored\n"
-              "b.obj: 1 mesh contains normals without direction, 3 in all; replaced by those of the faces around\n");
+              "b.obj: 1 mesh contains normals of zero length or not finite, 3 in all; replaced by normals of the "
+              "adjacent faces\n");
     const auto ply = [](int degenerate) {
         std::string text =
             "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"

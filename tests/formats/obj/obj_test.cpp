@@ -112,10 +112,10 @@ TEST_F(Obj, LinesThatGoOnAndOtherHabits)
                                         "# a comment \\\nv 0 0 \\\n0\r\nv +1 0 0\r\nv 1 1 0 1.0\n\tv   0 1e0 -0.0 \n\n"
                                         "g some group\ns 1\nf 1 2 \\\n 3 4 # the end\nl 1 2\np 1\ncurv 0 1\nwhat 3\n");
     EXPECT_EQ(scene.meshes.at(0).indices.size(), 6u);
-    EXPECT_EQ(warnings_with("lines are not shown"), 1u);
+    EXPECT_EQ(warnings_with("line elements are ignored"), 1u);
     EXPECT_EQ(scene.points.at(0).centers.size(), 1u);
     EXPECT_EQ(warnings_with("free-form"), 1u);
-    EXPECT_EQ(warnings_with("not understood"), 1u);
+    EXPECT_EQ(warnings_with("not recognized"), 1u);
 }
 
 /// Vertex colors are sRGB, as in Blender, Godot and MeshLab: 0.5 decodes to 0.2140.
@@ -334,7 +334,7 @@ TEST_F(Obj, ANormalThatIsNotThereCostsOnlyItself)
         const bool is_given = i == 0 || i == 2 || i == 3;
         expect_near({n.x, n.y, n.z}, is_given ? Vec3d{0.6, 0, 0.8} : Vec3d{0, 0, 1}, 1e-6);
     }
-    EXPECT_EQ(warnings_with("normals that are not there"), 3u);
+    EXPECT_EQ(warnings_with("normal indices out of range"), 3u);
 }
 
 TEST_F(Obj, Points)
@@ -376,11 +376,11 @@ TEST_F(Obj, Mistakes)
               "line 5: texture coordinate 1 is out of range: there are 0 so far");
     EXPECT_EQ(error_of("a.obj", std::string(square) + "f 1 2 99999999999999999999\n"),
               "line 5: expected a whole number, found '99999999999999999999'");
-    EXPECT_EQ(error_of("a.obj", "hello\nworld\n"), "there are no vertices in it: is it an OBJ file?");
+    EXPECT_EQ(error_of("a.obj", "hello\nworld\n"), "it contains no vertices: is it an OBJ file?");
     warnings_ = {};
     EXPECT_EQ(error_of("a.obj", std::string(square) + "mtllib no.mtl\nf 1 2\nf 1 2 3\n"), "loaded");
     EXPECT_EQ(warnings_with("'no.mtl' is missing"), 1u);
-    EXPECT_EQ(warnings_with("fewer than three corners"), 1u);
+    EXPECT_EQ(warnings_with("fewer than three vertices"), 1u);
 }
 
 }  // namespace

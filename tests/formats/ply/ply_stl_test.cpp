@@ -166,7 +166,7 @@ TEST_F(Ply, TheFastWayGivesWhatTheSlowOneDoes)
     const SceneDescription fast = load("a.ply", make(false)), slow = load("b.ply", make(true));
     EXPECT_EQ(fast.meshes[0].indices, slow.meshes[0].indices);
     EXPECT_EQ(fast.meshes[0].indices.size(), 12u);
-    EXPECT_EQ(warnings_with("fewer than three corners"), 2u);
+    EXPECT_EQ(warnings_with("fewer than three vertices"), 2u);
 }
 
 /// Elements may have any order: a square, a degenerate face of two corners and a triangle, with face colors.
@@ -200,7 +200,7 @@ TEST_F(Ply, FacesBeforeVertices)
         for (std::size_t size = bytes.find("end_header"); size + 1 < bytes.size(); ++size)
             EXPECT_NE(error_of("b.ply", bytes.substr(0, size)), "loaded") << format << size;
     }
-    EXPECT_EQ(warnings_with("fewer than three corners"), 3u);
+    EXPECT_EQ(warnings_with("fewer than three vertices"), 3u);
 }
 
 /// Triangle faces alone, strips, and indices out of range.
@@ -221,7 +221,7 @@ TEST_F(Ply, OtherElementsBeforeVertices)
     EXPECT_EQ(error_of("a.ply", ascii("element face 2\n" + indices, "3 0 1 2\n3 0 1 4\n")),
               "face 1: vertex 4 is out of range: there are 4");
     EXPECT_EQ(error_of("a.ply", ascii("element curve 1\nproperty uint vertices\n", "5\n")),
-              "curve 0: 5 vertices, of 4 that there are");
+              "curve 0: expected 5 vertices, but there are only 4");
     EXPECT_EQ(error_of("a.ply", "ply\nformat ascii 1.0\nelement face 1\n" + indices + "end_header\n3 0 1 2\n"),
               "face 0: vertex 0 is out of range: there are 0");
 }
@@ -290,11 +290,11 @@ TEST_F(Ply, Strips)
 TEST_F(Ply, Mistakes)
 {
     const std::string body = "0 0 0\n1 0 0\n1 1 0\n0 1 0\n";
-    EXPECT_EQ(error_of("a.ply", "plx\n"), "line 1: this is no PLY file: it must begin with 'ply'");
+    EXPECT_EQ(error_of("a.ply", "plx\n"), "line 1: this is not a PLY file: it must begin with 'ply'");
     EXPECT_EQ(error_of("a.ply", "ply\nformat ascii 1.0\n"),
-              "line 3: the file ends in its header: there is no 'end_header'");
-    EXPECT_EQ(error_of("a.ply", header("asci", xyz, indices)), "line 2: 'asci' is no format of PLY");
-    EXPECT_EQ(error_of("a.ply", header("ascii", "property floaty x\n", indices)), "line 5: 'floaty' is no type");
+              "line 3: the file ends within its header: there is no 'end_header'");
+    EXPECT_EQ(error_of("a.ply", header("asci", xyz, indices)), "line 2: 'asci' is not a PLY format");
+    EXPECT_EQ(error_of("a.ply", header("ascii", "property floaty x\n", indices)), "line 5: 'floaty' is not a type");
     EXPECT_EQ(error_of("a.ply", header("ascii", "property float a\n", indices, 1) + "0\n3 0 0 0\n"),
               "line 9: the vertices have no x, y and z");
     EXPECT_EQ(error_of("a.ply", header("ascii", xyz, indices) + body + "4 0 1 2 4\n"),
@@ -304,13 +304,13 @@ TEST_F(Ply, Mistakes)
     for (const char* number : {"1e32", "-1e32"})
         EXPECT_EQ(error_of("a.ply", header("ascii", xyz, indices) + body + "4 0 1 2 " + number + "\n"),
                   "face 0: vertex 9007199254740992 is out of range: there are 4");
-    EXPECT_EQ(error_of("a.ply", header("ascii", xyz, indices) + body + "3 0 1\n"), "line 16: the file ends too early");
+    EXPECT_EQ(error_of("a.ply", header("ascii", xyz, indices) + body + "3 0 1\n"), "line 16: the file is truncated");
     EXPECT_EQ(error_of("a.ply", header("ascii", xyz, indices) + body + "999999999 0 1\n"),
               "line 15: a list of 999999999 elements does not fit into the file");
     EXPECT_EQ(error_of("a.ply", header("ascii", xyz, indices, 4, 2000000000) + body),
-              "line 14: 2000000000 elements 'face' do not fit into the file, which ends too early");
+              "line 14: 2000000000 elements 'face' do not fit into the file, which is truncated");
     EXPECT_EQ(error_of("a.ply", header("binary_little_endian", xyz, indices, 2000000000)),
-              "2000000000 elements 'vertex' do not fit into the file, which ends too early");
+              "2000000000 elements 'vertex' do not fit into the file, which is truncated");
     EXPECT_EQ(error_of("a.ply", header("ascii", xyz, indices) + "0 0 0\n1 0 0\n1 1 nan\n0 1 0\n3 0 1 2\n"),
               "line 13: the number 'nan' is not finite");
     std::string nan = header("binary_little_endian", xyz, indices, 3, 1);
@@ -444,7 +444,7 @@ TEST_F(Stl, OddBeginningsAndEnds)
     load("c.stl", whole.substr(0, whole.rfind("endsolid")));
     EXPECT_EQ(warnings_with("without 'endsolid'"), 1u);
     EXPECT_EQ(error_of("d.stl", binary_stl(two_triangles, "solid").substr(0, 140)),
-              "the file ends too early: 2 triangles are promised, there are 1");
+              "the file is truncated: its header says 2 triangles, but there are 1");
     EXPECT_EQ(error_of("d.stl", ""), "the file is empty");
 }
 
@@ -468,11 +468,11 @@ TEST_F(Stl, Mistakes)
     for (std::size_t size = 0; size < whole.size(); ++size)
         EXPECT_NE(error_of("a.stl", whole.substr(0, size)), "loaded") << size;
     EXPECT_EQ(error_of("a.stl", whole.substr(0, 140)),
-              "the file ends too early: 2 triangles are promised, there are 1");
-    EXPECT_EQ(error_of("a.stl", "hello"), "this is no STL file: it ends in its header");
-    EXPECT_EQ(error_of("a.stl", "solid\nvertex 0 0 0\nvertex 1 0 0\n"), "line 4: the file ends in a triangle");
+              "the file is truncated: its header says 2 triangles, but there are 1");
+    EXPECT_EQ(error_of("a.stl", "hello"), "this is not an STL file: it ends within its header");
+    EXPECT_EQ(error_of("a.stl", "solid\nvertex 0 0 0\nvertex 1 0 0\n"), "line 4: the file ends within a triangle");
     EXPECT_EQ(error_of("a.stl", "solid\nvertex 0 0\n"), "line 2: expected a number, found ''");
-    EXPECT_EQ(error_of("a.stl", "solid\nendsolid\n"), "there are no triangles in it");
+    EXPECT_EQ(error_of("a.stl", "solid\nendsolid\n"), "it contains no triangles");
 }
 
 }  // namespace
