@@ -105,7 +105,7 @@ Json conductor()
                         {"properties", {{"eta", reference("color")}, {"k", reference("color")}}},
                         {"required", {"eta", "k"}},
                         {"additionalProperties", false}};
-    return {{"description", "a metal, by name or by its index of refraction; stands for its colours"},
+    return {{"description", "a metal, by name or by its complex index of refraction; sets its colors"},
             {"oneOf", {{{"enum", names}}, index}}};
 }
 

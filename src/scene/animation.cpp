@@ -68,7 +68,7 @@ std::string problem_of(const AnimationChannel& channel)
     if (keys == 0) return "there are no keys";
     for (std::size_t i = 0; i < keys; ++i)
         if (!std::isfinite(channel.times[i]) || (i > 0 && !(channel.times[i] > channel.times[i - 1])))
-            return fmt::format("times must be finite and ascend: {} is the time of key {}", channel.times[i], i);
+            return fmt::format("times must be finite and increase: {} is the time of key {}", channel.times[i], i);
     if (!std::all_of(channel.values.begin(), channel.values.end(), [](float x) { return std::isfinite(x); }))
         return "a value is not finite";
     const std::size_t expected = expected_components(channel.value), each = expected > 0 ? expected : 1;

@@ -75,7 +75,7 @@ void check_rig(const SceneDescription& scene, const AnimationRig& rig, const Ani
     };
     if (!animation.problem.empty()) fail(fmt::format("can't be played: {}", animation.problem));
     if (rig.nodes.size() > scene.nodes.size() || rig.parents.size() != rig.nodes.size())
-        fail("it is of other nodes than the scene has");
+        fail("its nodes don't belong to the scene");
     for (std::size_t i = 0; i < animation.channels.size(); ++i) {
         const AnimationChannel& channel = animation.channels[i];
         const std::size_t targets = is_of_material(channel.value) ? scene.materials.size()
@@ -92,7 +92,7 @@ void check_rig(const SceneDescription& scene, const AnimationRig& rig, const Ani
         if (d.mesh < 0 || std::size_t(d.mesh) >= scene.meshes.size() || d.node >= int(rig.nodes.size()) ||
             d.skin >= int(rig.skins.size()) || (has_skin && (vertices == 0 || d.joints.size() % vertices != 0)) ||
             d.joints.size() != d.joint_weights.size())
-            fail("a mesh that bends has other vertices, or a skin or node that is not there");
+            fail("a deforming mesh has a different number of vertices, or its skin or node does not exist");
         if (!has_skin) continue;
         const Skin& skin = rig.skins[std::size_t(d.skin)];
         const auto in_range = [](std::size_t count) {
@@ -100,7 +100,7 @@ void check_rig(const SceneDescription& scene, const AnimationRig& rig, const Ani
         };
         if (skin.joint_from_mesh.size() != skin.joints.size() ||
             !std::all_of(skin.joints.begin(), skin.joints.end(), in_range(rig.nodes.size())))
-            fail("a skin has joints that are not there");
+            fail("a skin has joints that don't exist");
         for (std::size_t k = 0; k < d.joints.size(); ++k)
             if (d.joint_weights[k] > 0 && d.joints[k] >= skin.joints.size())
                 fail(fmt::format("a vertex refers to joint {}, there are {}", d.joints[k], skin.joints.size()));

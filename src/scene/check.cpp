@@ -20,7 +20,7 @@ namespace {
 constexpr int deepest_node = 256;
 constexpr double max_places = 1e8;
 constexpr float brightest = 1e20f;
-constexpr const char* too_many_places = "instances make more than 100 million nodes and shapes of it";
+constexpr const char* too_many_places = "its instances expand to more than 100 million nodes and shapes";
 
 std::string element(const char* array, std::size_t index)
 {
@@ -79,14 +79,14 @@ private:
         for (const Color& c : {scene_.environment.color, scene_.environment.bottom, scene_.environment.top})
             check_brightness(c, "environment");
         const double to_sun = length(scene_.environment.to_sun);
-        if (!(to_sun > 0 && std::isfinite(to_sun))) fail("environment.to_sun", "is no direction");
+        if (!(to_sun > 0 && std::isfinite(to_sun))) fail("environment.to_sun", "is not a direction");
         const auto between = [&](double value, double least, double most, const char* what) {
             if (!(value >= least && value <= most))
                 fail(std::string("environment.") + what,
-                     fmt::format("is {:g}; a sky of this kind has one from {:g} to {:g}", value, least, most));
+                     fmt::format("is {:g}; a sky of this kind supports {:g} to {:g}", value, least, most));
         };
         if (!(scene_.environment.illuminance >= 0 && std::isfinite(scene_.environment.illuminance)))
-            fail("environment.illuminance", "must be 0 or above");
+            fail("environment.illuminance", "must be at least 0");
         if (scene_.environment.kind != EnvironmentKind::hosek_wilkie) return;
         between(scene_.environment.turbidity, 1, 10, "turbidity");
         between(scene_.environment.ground_albedo, 0, 1, "ground_albedo");
@@ -99,9 +99,9 @@ private:
         check_brightness(light.intensity, place);
         index(light.picture.image, scene_.images.size(), place + ".picture.image", "image");
         if (light.kind == LightKind::goniometric && light.picture.image < 0)
-            fail(place, "a goniometric light needs a picture, or an IES file");
+            fail(place, "a goniometric light needs an image or an IES file");
         if (light.kind == LightKind::projector && !(light.fov > 0 && light.fov < std::numbers::pi))
-            fail(place + ".fov", "must be above 0 and below half a turn");
+            fail(place + ".fov", "must be above 0 and below 180 degrees");
         if (light.kind == LightKind::beam &&
             !(light.width > 0 && light.height > 0 && std::isfinite(light.width) && std::isfinite(light.height)))
             fail(place, "a beam needs a width and a height above 0");
@@ -128,7 +128,7 @@ private:
     {
         for (const float x : {c.r, c.g, c.b})
             if (!(std::abs(x) <= brightest))
-                fail(place, fmt::format("is as bright as {:g}; up to {:g} can be rendered", x, brightest));
+                fail(place, fmt::format("has a brightness of {:g}; up to {:g} can be rendered", x, brightest));
     }
 
     void check_material(const Material& m, const std::string& place) const
@@ -140,7 +140,7 @@ private:
         check_finite(m, material_parameters(), place);
         index(m.measured, scene_.measured.size(), place + ".measured", "measured surface");
         if (m.kind == MaterialKind::measured && m.measured < 0)
-            fail(place, "a measured material needs what was measured");
+            fail(place, "a measured material needs a measured BRDF");
         if (!is_mixture(m)) return;
         required(m.material_a, scene_.materials.size(), place + ".material_a", "material");
         required(m.material_b, scene_.materials.size(), place + ".material_b", "material");
@@ -181,15 +181,15 @@ private:
         });
         check_finite(t, texture_parameters(), place);
         if (!std::isnormal(t.world_from_texture.determinant()))
-            fail(place + ".transform", "a texture can't stand in a space without a volume");
+            fail(place + ".transform", "the transform of a texture must be invertible");
         if (t.kind == TextureKind::facing && !(length(t.direction) > 0))
-            fail(place + ".direction", "is no direction: all of it is 0");
+            fail(place + ".direction", "is not a direction: all components are 0");
         if (t.kind != TextureKind::ramp) return;
         if (t.stops.size() < 2 || t.stops.size() > 16)
-            fail(place + ".stops", std::to_string(t.stops.size()) + " stops: 2 to 16 make a ramp");
+            fail(place + ".stops", std::to_string(t.stops.size()) + " stops: a ramp must have 2 to 16");
         for (std::size_t i = 0; i < t.stops.size(); ++i)
             if (!std::isfinite(t.stops[i].position) || (i > 0 && !(t.stops[i - 1].position < t.stops[i].position)))
-                fail(place + '.' + element("stops", i), "positions must be finite and ascend");
+                fail(place + '.' + element("stops", i), "positions must be finite and increase");
     }
 
     template <class Owner>
@@ -260,7 +260,7 @@ private:
         length_is(mesh.uvs[1].size(), ".uvs[1]");
         length_is(mesh.colors.size(), ".colors");
         if (mesh.indices.size() % 3 != 0)
-            fail(place + ".indices", std::to_string(mesh.indices.size()) + " indices can't be divided by 3");
+            fail(place + ".indices", std::to_string(mesh.indices.size()) + " indices are not a multiple of 3");
         for (std::size_t i = 0; i < mesh.indices.size(); ++i)
             if (mesh.indices[i] >= vertices)
                 fail(place + '.' + element("indices", i),
@@ -272,8 +272,8 @@ private:
             const std::string at = place + '.' + element("motion", k);
             if (key.positions.size() != vertices || key.normals.size() != mesh.normals.size())
                 fail(at, "has " + std::to_string(key.positions.size()) + " positions and " +
-                             std::to_string(key.normals.size()) + " normals, the mesh " + std::to_string(vertices) +
-                             " and " + std::to_string(mesh.normals.size()));
+                             std::to_string(key.normals.size()) + " normals, but the mesh has " +
+                             std::to_string(vertices) + " and " + std::to_string(mesh.normals.size()));
             check_positions(key.positions, at);
         }
     }
@@ -290,10 +290,10 @@ private:
     template <class Key>
     void check_times(const std::vector<Key>& keys, const std::string& place) const
     {
-        if (keys.size() == 1) fail(place + ".motion", "has one key; motion needs two");
+        if (keys.size() == 1) fail(place + ".motion", "has one key; motion needs at least two");
         for (std::size_t i = 0; i < keys.size(); ++i)
             if (!std::isfinite(keys[i].time) || (i > 0 && !(keys[i - 1].time < keys[i].time)))
-                fail(place + '.' + element("motion", i) + ".time", "times must be finite and ascend");
+                fail(place + '.' + element("motion", i) + ".time", "times must be finite and increase");
     }
 
     void check_balls(const std::vector<Vec3f>& centers, const std::vector<float>& radii, const std::string& place,
@@ -330,7 +330,7 @@ private:
             const CurvesKey& key = curves.motion[k];
             const std::string at = place + '.' + element("motion", k);
             if (key.points.size() != curves.points.size())
-                fail(at, "has " + std::to_string(key.points.size()) + " points, the curves " +
+                fail(at, "has " + std::to_string(key.points.size()) + " points, but the curves have " +
                              std::to_string(curves.points.size()));
             check_balls(key.points, key.radii, at, "points");
         }
@@ -371,9 +371,9 @@ private:
             const std::string at = place + '.' + element("motion", i);
             check_transform(node.motion[i].parent_from_node, at);
             const double determinant = node.motion[i].parent_from_node.determinant();
-            if (!std::isnormal(determinant)) fail(at, "a transform that moves must not flatten what it places");
+            if (!std::isnormal(determinant)) fail(at, "the transform of a moving node must be invertible");
             if ((determinant < 0) != (node.motion[0].parent_from_node.determinant() < 0))
-                fail(at, "mirrors, and the first key doesn't: in between the node would be flat");
+                fail(at, "only one of this key and the first key mirrors: in between, the node would be flat");
         }
         for (std::size_t i = 0; i < node.children.size(); ++i)
             required(node.children[i], scene_.nodes.size(), place + '.' + element("children", i), "node");

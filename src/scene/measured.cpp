@@ -19,8 +19,8 @@ std::string problem_of_angles(const char* name, const std::vector<float>& angles
 {
     if (angles.empty()) return fmt::format("'{}': there are no angles", name);
     for (std::size_t i = 0; i < angles.size(); ++i) {
-        if (!(std::abs(angles[i]) <= 10)) return fmt::format("'{}': {:g} is no angle in radians", name, angles[i]);
-        if (i > 0 && !(angles[i - 1] < angles[i])) return fmt::format("'{}': angles must ascend", name);
+        if (!(std::abs(angles[i]) <= 10)) return fmt::format("'{}': {:g} is not an angle in radians", name, angles[i]);
+        if (i > 0 && !(angles[i - 1] < angles[i])) return fmt::format("'{}': angles must increase", name);
     }
     return {};
 }
@@ -32,15 +32,15 @@ std::string problem_of_angles(const char* name, const std::vector<float>& angles
 std::string problem_of_table(const char* name, const MeasuredTable& table, double count, float least)
 {
     if (table.width < 2 || table.height < 2 || table.width > widest || table.height > widest)
-        return fmt::format("'{}': a table of {} by {} values: 2 to {} are possible each way", name, table.width,
+        return fmt::format("'{}': a table of {} by {} values: 2 to {} are supported along each axis", name, table.width,
                            table.height, widest);
     const double wanted = count * double(table.width) * double(table.height);
     if (double(table.values.size()) != wanted)
-        return fmt::format("'{}': {} values, where {:.0f} belong", name, table.values.size(), wanted);
+        return fmt::format("'{}': {} values, expected {:.0f}", name, table.values.size(), wanted);
     const auto is_wrong = [&](float x) { return !(x >= least && x <= largest_value); };
     const auto wrong = std::find_if(table.values.begin(), table.values.end(), is_wrong);
     if (wrong == table.values.end()) return {};
-    return fmt::format("'{}': {:g} is no value that can be rendered", name, *wrong);
+    return fmt::format("'{}': the value {:g} can't be rendered", name, *wrong);
 }
 
 }  // namespace

@@ -241,9 +241,9 @@ TEST_F(CompleteScene, RefusesScenesThatCantBe)
     bad = scene;
     bad.curves.push_back({"", CurveBasis::linear, false, {{0, 0, 0}, {1, 0, 0}}, {1, 1}, {2}, {}});
     bad.curves[0].motion = {{0, {{0, 0, 0}, {1, 0, 0}}, {1, 1}}};
-    EXPECT_EQ(check_error(bad), "s: curves[0].motion: has one key; motion needs two");
+    EXPECT_EQ(check_error(bad), "s: curves[0].motion: has one key; motion needs at least two");
     bad.curves[0].motion.push_back(bad.curves[0].motion[0]);
-    EXPECT_EQ(check_error(bad), "s: curves[0].motion[1].time: times must be finite and ascend");
+    EXPECT_EQ(check_error(bad), "s: curves[0].motion[1].time: times must be finite and increase");
     bad.curves[0].motion[1].time = 1;
     EXPECT_EQ(check_error(bad), "good");
     bad.curves[0].motion[1].radii[1] = -1;
@@ -251,16 +251,16 @@ TEST_F(CompleteScene, RefusesScenesThatCantBe)
     bad.curves[0].motion[1].radii = {1};
     EXPECT_EQ(check_error(bad), "s: curves[0].motion[1]: has 1 radii for 2 points");
     bad.curves[0].motion[1].points = {{0, 0, 0}};
-    EXPECT_EQ(check_error(bad), "s: curves[0].motion[1]: has 1 points, the curves 2");
+    EXPECT_EQ(check_error(bad), "s: curves[0].motion[1]: has 1 points, but the curves have 2");
 
     // 2^40 spheres in 41 nodes, and as many nodes without shapes.
     bad = scene;
     bad.nodes.resize(42);
     for (int i = 2; i < 42; ++i) bad.nodes[i].children = {i - 1, i - 1};
     bad.roots = {41};
-    EXPECT_NE(check_error(bad).find("instances make more than 100 million"), std::string::npos);
+    EXPECT_NE(check_error(bad).find("instances expand to more than 100 million"), std::string::npos);
     for (Node& node : bad.nodes) node.shapes.clear();
-    EXPECT_NE(check_error(bad).find("instances make more than 100 million"), std::string::npos);
+    EXPECT_NE(check_error(bad).find("instances expand to more than 100 million"), std::string::npos);
 }
 
 }  // namespace

@@ -97,8 +97,8 @@ TEST(AnimationValues, WhatIsWrongWithKeys)
     };
     EXPECT_EQ(problem({0}, {1, 2, 3}), "");
     EXPECT_EQ(problem({}, {}), "there are no keys");
-    EXPECT_EQ(problem({1, 1}, {1, 2, 3, 4, 5, 6}), "times must be finite and ascend: 1 is the time of key 1");
-    EXPECT_EQ(problem({1, 0.5f}, {1, 2, 3, 4, 5, 6}), "times must be finite and ascend: 0.5 is the time of key 1");
+    EXPECT_EQ(problem({1, 1}, {1, 2, 3, 4, 5, 6}), "times must be finite and increase: 1 is the time of key 1");
+    EXPECT_EQ(problem({1, 0.5f}, {1, 2, 3, 4, 5, 6}), "times must be finite and increase: 0.5 is the time of key 1");
     EXPECT_NE(problem({nan}, {1, 2, 3}), "");
     EXPECT_NE(problem({0, infinite}, {1, 2, 3, 4, 5, 6}), "");
     EXPECT_EQ(problem({0}, {1, nan, 3}), "a value is not finite");
