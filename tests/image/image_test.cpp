@@ -293,11 +293,11 @@ TEST(ReadImage, SaysWhatIsWrong)
         return "nothing";
     };
     EXPECT_EQ(message(folder.path() / "missing.png"), "there is no such file");
-    EXPECT_EQ(message(folder.path()), "this is a folder, not a picture");
+    EXPECT_EQ(message(folder.path()), "this is a folder, not an image");
     std::ofstream(folder.path() / "empty.png").flush();
     EXPECT_EQ(message(folder.path() / "empty.png"), "the file is empty");
     std::ofstream(folder.path() / "text.png") << "Not a picture at all, but a long enough text.";
-    EXPECT_NE(message(folder.path() / "text.png").find("not a picture in a format"), std::string::npos);
+    EXPECT_NE(message(folder.path() / "text.png").find("not an image in a supported format"), std::string::npos);
 }
 
 }  // namespace

@@ -509,7 +509,7 @@ TEST_F(ImageEnvironment, ValuesThatAreNoNumbersAreBlack)
     render(job, {0, 256}, film);
     const Mean after = mean_of(film);
     EXPECT_NEAR(after.value[0], before.value[0], 0.05 * before.value[0]);
-    const std::string message = file_.string() + ": values that are no number or infinite are taken for 0";
+    const std::string message = file_.string() + ": values that are not finite are replaced by 0";
     const std::map<std::string, std::size_t> expected{{message, 2}};
     EXPECT_EQ(warnings.counts(), expected);
 }

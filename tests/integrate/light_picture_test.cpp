@@ -431,19 +431,19 @@ TEST(LightPictures, WhatCannotBeShown)
     light.kind = LightKind::goniometric;
     light.picture.image = 0;
     EXPECT_EQ(error_of(light, picture_of(3, 2, colors)),
-              "picture.ppm: the picture of a goniometric light is a square: this one has 3 by 2 pixels");
+              "picture.ppm: the image of a goniometric light must be square: this one has 3 by 2 pixels");
     EXPECT_EQ(error_of(light, profile_of("1 1 1 2 1 1 1 0 0 0 1 1 1 0 90 0 5 -1")),
               "lamp.ies: IES: the candela value 2 of 2 is negative");
     EXPECT_EQ(error_of(light, ImageFile{"x.ies", "/nowhere/x.ies", {}}), "/nowhere/x.ies: there is no such file");
     light.kind = LightKind::projector;
     EXPECT_EQ(error_of(light, profile_of("1 1 1 2 1 1 1 0 0 0 1 1 1 0 90 0 5 1")),
-              "lamp.ies: an IES file is for goniometric lights");
+              "lamp.ies: IES files are supported for goniometric lights only");
     light.fov = 0;
     EXPECT_NE(error_of(light, picture_of(3, 2, colors)).find("fov"), std::string::npos);
     light.fov = 1, light.picture.image = 3;
     EXPECT_NE(error_of(light, picture_of(3, 2, colors)).find("there is no image 3"), std::string::npos);
     light.kind = LightKind::goniometric, light.picture.image = -1;
-    EXPECT_NE(error_of(light, picture_of(3, 2, colors)).find("needs a picture"), std::string::npos);
+    EXPECT_NE(error_of(light, picture_of(3, 2, colors)).find("needs an image"), std::string::npos);
 }
 
 }  // namespace

@@ -120,7 +120,7 @@ void read_into(const Decoder& decoder, const EncodedImage& file)
     check(file, decoder, avif_library().avifDecoderNextImage(decoder.get()));
     const auto transfer = image.transferCharacteristics;
     if (transfer == AVIF_TRANSFER_CHARACTERISTICS_SMPTE2084 || transfer == AVIF_TRANSFER_CHARACTERISTICS_HLG)
-        throw Error(file.name, "", "an AVIF of high dynamic range (PQ or HLG) can't be read: convert it to OpenEXR");
+        throw Error(file.name, "", "AVIF with high dynamic range (PQ or HLG) is not supported: convert it to OpenEXR");
 }
 
 }  // namespace

@@ -98,7 +98,7 @@ void add_chroma(Image& image, const EncodedImage& file, const Imf::Header& heade
         if (!half_ry || !half_by || !is_half_chroma("RY", *half_ry) || !is_half_chroma("BY", *half_by)) continue;
         if (is_later_part)
             throw Error(file.name, full_name(layer.name, "RY"),
-                        "chroma at half resolution is read in a file's first part only");
+                        "chroma at half resolution is supported in the first part of a file only");
         add_half_chroma(layer, file, threads);
     }
 }

@@ -133,7 +133,7 @@ std::optional<std::size_t> exr_headers_end(const unsigned char* bytes, std::size
 bool ExrMemoryInput::read(char destination[], int size)
 {
     if (size < 0 || std::size_t(size) > file_.size - position_)
-        throw Error(file_.name, "", "the file is cut short or damaged");
+        throw Error(file_.name, "", "the file is truncated or damaged");
     std::memcpy(destination, file_.bytes + position_, std::size_t(size));
     position_ += std::size_t(size);
     return position_ < file_.size;

@@ -101,7 +101,7 @@ std::size_t main_image_part(const EncodedImage& file, const std::vector<Imf::Hea
         least = rank;
         found = i;
     }
-    if (!found) throw Error(file.name, "", "there is no picture in it that can be read: its parts are deep or empty");
+    if (!found) throw Error(file.name, "", "it contains no image that can be read: its parts are deep or empty");
     return *found;
 }
 
@@ -125,7 +125,7 @@ void check_sizes(const EncodedImage& file, const std::vector<Imf::Header>& heade
         check_size(file, data[0], data[1], channels * sizeof(float) + 1);
         // The offset table has 8 bytes for each chunk of the file.
         if (header.hasChunkCount() && (header.chunkCount() < 0 || std::size_t(header.chunkCount()) > file.size / 8))
-            throw Error(file.name, "", "the file is cut short or damaged");
+            throw Error(file.name, "", "the file is truncated or damaged");
     }
 }
 
@@ -151,7 +151,7 @@ public:
     PartReader(const EncodedImage& file, Input& input)
         : file_(file), input_(input), window_(input.header().dataWindow())
     {
-        if (!input.isComplete()) throw Error(file.name, "", "the file is cut short: rows of the picture are missing");
+        if (!input.isComplete()) throw Error(file.name, "", "the file is truncated: rows of the image are missing");
     }
 
     Image read()
@@ -163,7 +163,7 @@ public:
         for (auto c = channels.begin(); c != channels.end(); ++c) add(c.name(), c.channel());
         std::erase_if(image_.layers, [](const Image::Layer& layer) { return layer.channels.empty(); });
         if (image_.layers.empty())
-            throw Error(file_.name, "", "there is no picture in it: all its channels are integers, as ids have them");
+            throw Error(file_.name, "", "it contains no image: all its channels are integers, such as ids");
         for (Image::Layer& layer : image_.layers) insert(layer);
         for (Image::UintChannel& channel : image_.uint_channels)
             insert(channel.name, Imf::UINT, channel.values.data(), sizeof(std::uint32_t));
@@ -178,7 +178,8 @@ private:
         const auto [layer, short_name] = layer_and_channel(name);
         if (channel.xSampling != 1 || channel.ySampling != 1) {
             if (is_half_chroma(short_name, channel)) return;
-            throw Error(file_.name, name, "channels at reduced resolution can't be read, but for chroma at half");
+            throw Error(file_.name, name,
+                        "channels at reduced resolution are not supported, except chroma at half resolution");
         }
         if (channel.type == Imf::UINT && !is_color(short_name)) {
             image_.uint_channels.push_back({name, std::vector<std::uint32_t>(pixels())});
@@ -265,7 +266,7 @@ void move_main_image_first(std::vector<Image::Layer>& layers)
 
 Image read_exr(const EncodedImage& file)
 {
-    if (!exr_headers_end(file.bytes, file.size)) throw Error(file.name, "", "the file is cut short or damaged");
+    if (!exr_headers_end(file.bytes, file.size)) throw Error(file.name, "", "the file is truncated or damaged");
     const std::vector<Imf::Header> headers = read_exr_headers(file);
     const std::size_t part = main_image_part(file, headers);
     const Imf::Header& header = headers[part];

@@ -25,7 +25,7 @@ public:
 
     int next()
     {
-        if (position_ >= file_.size) throw Error(file_.name, "", "damaged HDR: the file is cut short");
+        if (position_ >= file_.size) throw Error(file_.name, "", "damaged HDR: the file is truncated");
         return file_.bytes[position_++];
     }
     std::string line()
@@ -54,7 +54,7 @@ void read_runs(const EncodedImage& file, Bytes& bytes, std::vector<Rgbe>& row)
         for (std::size_t x = 0; x < row.size();) {
             const int lead = bytes.next();
             const std::size_t count = std::size_t(lead > 128 ? lead - 128 : lead);
-            if (count == 0 || count > row.size() - x) throw Error(file.name, "", "damaged HDR: a run leaves its row");
+            if (count == 0 || count > row.size() - x) throw Error(file.name, "", "damaged HDR: a run exceeds its row");
             const int repeated = lead > 128 ? bytes.next() : 0;
             for (const std::size_t end = x + count; x < end; ++x)
                 row[x][component] = static_cast<unsigned char>(lead > 128 ? repeated : bytes.next());
@@ -71,7 +71,7 @@ void read_codes(const EncodedImage& file, Bytes& bytes, Rgbe first, std::vector<
         if (code[0] == 1 && code[1] == 1 && code[2] == 1) {
             const std::size_t count = shift > 24 ? 0 : std::size_t(code[3]) << shift;
             if (x == 0 || count == 0 || count > row.size() - x)
-                throw Error(file.name, "", "damaged HDR: a run leaves its row");
+                throw Error(file.name, "", "damaged HDR: a run exceeds its row");
             std::fill_n(row.begin() + std::ptrdiff_t(x), count, row[x - 1]);
             x += count;
             shift += 8;
@@ -111,7 +111,7 @@ Chromaticities checked(const EncodedImage& file, const Chromaticities& chromatic
 void read_header_line(const EncodedImage& file, const std::string& line, HdrHeader& header)
 {
     if (line.starts_with("FORMAT=") && line != "FORMAT=32-bit_rle_rgbe")
-        throw Error(file.name, line, "only 32-bit_rle_rgbe can be read");
+        throw Error(file.name, line, "only 32-bit_rle_rgbe is supported");
     double v[3];
     if (std::sscanf(line.c_str(), "EXPOSURE= %lf", v) == 1) divide_by(header, {v[0], v[0], v[0]});
     if (std::sscanf(line.c_str(), "COLORCORR= %lf %lf %lf", v, v + 1, v + 2) == 3)
@@ -149,8 +149,9 @@ Orientation read_orientation(const EncodedImage& file, const std::string& line)
     const bool is_good = found == 6 && is_sign(sign[0]) && is_sign(sign[1]) && size[0] > 0 && size[1] > 0 &&
                          ((axis[0] == 'Y' && axis[1] == 'X') || (axis[0] == 'X' && axis[1] == 'Y'));
     if (!is_good)
-        throw Error(file.name, "",
-                    fmt::format("damaged HDR: expected a size as '-Y 600 +X 800', found '{}'", line.substr(0, 40)));
+        throw Error(
+            file.name, "",
+            fmt::format("damaged HDR: expected a size such as '-Y 600 +X 800', found '{}'", line.substr(0, 40)));
     // In resolution strings X grows to the right and Y upward.
     const auto is_flipped = [&](int i) { return sign[i] == (axis[i] == 'X' ? '-' : '+'); };
     return {int(size[0]), int(size[1]), axis[0] == 'X', is_flipped(0), is_flipped(1)};
@@ -179,7 +180,7 @@ Image read_hdr(const EncodedImage& file)
     check_size(file, std::uint64_t(orientation.width()), std::uint64_t(orientation.height()), 3 * sizeof(float));
     // Each scanline takes at least 4 bytes: four components in runs of at most 127, or repeats of 8 bytes in old files.
     if (double(orientation.runs) * 4 > double(file.size))
-        throw Error(file.name, "", "damaged HDR: the file is cut short");
+        throw Error(file.name, "", "damaged HDR: the file is truncated");
 
     Image image = make_image(orientation.width(), orientation.height(), 3);
     float* const pixels = image.layers[0].pixels.data();

@@ -34,8 +34,8 @@ Format output_format(const fs::path& file)
     if (extension == ".avif") return Format::avif;
     if (extension == ".hdr") return Format::hdr;
     throw Error(file.string(), "",
-                fmt::format("can't write {}: the formats are .exr, .png, .jpg, .webp, .avif and .hdr",
-                            extension.empty() ? "a picture without an extension" : "'" + extension + "'"));
+                fmt::format("can't write {}: the supported formats are .exr, .png, .jpg, .webp, .avif and .hdr",
+                            extension.empty() ? "an image without an extension" : "'" + extension + "'"));
 }
 
 /// The largest width and height that the format or its library supports.
@@ -59,8 +59,8 @@ void check_format_size(const fs::path& file, Format format, int width, int heigh
 {
     if (std::max(width, height) > largest_side(format))
         throw Error(file.string(), "",
-                    fmt::format("this format holds up to {} pixels a side, the picture is {}x{}", largest_side(format),
-                                width, height));
+                    fmt::format("this format supports up to {} pixels per side, but the image has {}x{}",
+                                largest_side(format), width, height));
 }
 
 void check_consistent(const fs::path& file, const Image& image)
@@ -71,7 +71,7 @@ void check_consistent(const fs::path& file, const Image& image)
         consistent = consistent && !layer.channels.empty() && layer.pixels.size() == pixels * layer.channels.size();
     for (const Image::UintChannel& channel : image.uint_channels)
         consistent = consistent && channel.values.size() == pixels;
-    if (!consistent) throw Error(file.string(), "", "can't write an empty picture, or layers that are not of its size");
+    if (!consistent) throw Error(file.string(), "", "can't write an empty image, or layers of a different size");
 }
 
 std::string in_gigabytes(double bytes)
@@ -107,7 +107,7 @@ auto reading(const std::string& name, Read read)
     } catch (const Error&) {
         throw;
     } catch (const std::bad_alloc&) {
-        throw Error(name, "", "the picture needs more memory than there is");
+        throw Error(name, "", "the image needs more memory than is available");
     } catch (const std::exception& error) {
         throw Error(name, "", error.what());
     }
@@ -124,9 +124,9 @@ Image as_image(Picture&& picture, const std::string& name, std::uint64_t memory_
 void check_size(const EncodedImage& file, std::uint64_t width, std::uint64_t height, std::uint64_t bytes_per_pixel)
 {
     const std::string& name = file.name;
-    if (width == 0 || height == 0) throw Error(name, "", fmt::format("a picture of {}x{} pixels", width, height));
+    if (width == 0 || height == 0) throw Error(name, "", fmt::format("the image has {}x{} pixels", width, height));
     if (width > 0x7fffffff || height > 0x7fffffff)
-        throw Error(name, "", fmt::format("a picture of {}x{} pixels is too large", width, height));
+        throw Error(name, "", fmt::format("an image of {}x{} pixels is too large", width, height));
     if (file.measured) {
         *file.measured = {width, height, bytes_per_pixel};
         throw Measured();
@@ -134,11 +134,11 @@ void check_size(const EncodedImage& file, std::uint64_t width, std::uint64_t hei
     const double bytes = double(width) * double(height) * double(bytes_per_pixel);
     if (bytes > double(file.memory_limit))
         throw Error(name, "",
-                    fmt::format("a picture of {}x{} pixels needs {} of memory, {} are there", width, height,
+                    fmt::format("an image of {}x{} pixels needs {} of memory, {} are available", width, height,
                                 in_gigabytes(bytes), in_gigabytes(double(file.memory_limit))));
     if (bytes > double(available_memory_bytes()))
         throw Error(name, "",
-                    fmt::format("a picture of {}x{} pixels needs {} of memory, {}", width, height, in_gigabytes(bytes),
+                    fmt::format("an image of {}x{} pixels needs {} of memory, {}", width, height, in_gigabytes(bytes),
                                 available_memory_text()));
 }
 
@@ -193,7 +193,7 @@ void write_image(const fs::path& file, const Image& image, const WriteOptions& o
     } catch (const Error&) {
         throw;
     } catch (const std::bad_alloc&) {
-        throw Error(file.string(), "", "can't write: not enough memory to encode the picture");
+        throw Error(file.string(), "", "can't write: not enough memory to encode the image");
     } catch (const std::exception& error) {
         throw Error(file.string(), "", fmt::format("can't write: {}", error.what()));
     }
@@ -205,8 +205,8 @@ Picture read_picture(const fs::path& file, std::uint64_t memory_limit)
     std::error_code error;
     const fs::file_status status = fs::status(file, error);
     if (!fs::exists(status)) throw Error(name, "", "there is no such file");
-    if (fs::is_directory(status)) throw Error(name, "", "this is a folder, not a picture");
-    if (!fs::is_regular_file(status)) throw Error(name, "", "this is a device or a pipe, not a picture");
+    if (fs::is_directory(status)) throw Error(name, "", "this is a folder, not an image");
+    if (!fs::is_regular_file(status)) throw Error(name, "", "this is a device or a pipe, not an image");
     std::ifstream in(file, std::ios::binary);
     if (!in) throw Error(name, "", "can't be read: " + std::generic_category().message(errno));
     std::vector<char> bytes;
@@ -214,12 +214,12 @@ Picture read_picture(const fs::path& file, std::uint64_t memory_limit)
         const std::uintmax_t size = fs::file_size(file, error);
         if (error) throw Error(name, "", "can't be read: " + error.message());
         if (size > std::min(available_memory_bytes(), memory_limit))
-            throw Error(name, "", "the file is larger than the memory at hand");
+            throw Error(name, "", "the file is larger than the available memory");
         bytes.resize(size);
     } catch (const std::bad_alloc&) {
-        throw Error(name, "", "the file is larger than the memory at hand");
+        throw Error(name, "", "the file is larger than the available memory");
     }
-    if (!in.read(bytes.data(), std::streamsize(bytes.size()))) throw Error(name, "", "can't be read to its end");
+    if (!in.read(bytes.data(), std::streamsize(bytes.size()))) throw Error(name, "", "can't be read to the end");
     return read_picture(name, bytes.data(), bytes.size(), memory_limit);
 }
 

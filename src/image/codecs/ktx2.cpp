@@ -14,12 +14,12 @@ ByteImage read_ktx2(const EncodedImage& file)
 {
     static const bool ready = (basist::basisu_transcoder_init(), true);
     static_cast<void>(ready);
-    if (file.size > 0xffffffffu) throw Error(file.name, "", "a KTX2 of more than 4 GB");
+    if (file.size > 0xffffffffu) throw Error(file.name, "", "KTX2 files larger than 4 GB are not supported");
     basist::ktx2_transcoder transcoder;
     if (!transcoder.init(file.bytes, std::uint32_t(file.size)))
-        throw Error(file.name, "", "this KTX2 is damaged, or not packed by Basis Universal (ETC1S, UASTC)");
+        throw Error(file.name, "", "this KTX2 is damaged, or not compressed by Basis Universal (ETC1S, UASTC)");
     if (transcoder.get_faces() != 1 || transcoder.get_layers() > 1)
-        throw Error(file.name, "", "a KTX2 of several pictures, where one is wanted");
+        throw Error(file.name, "", "KTX2 files with several images are not supported");
     const int width = int(transcoder.get_width()), height = int(transcoder.get_height());
     const int channels = transcoder.get_has_alpha() ? 4 : 3;
     check_size(file, std::uint64_t(transcoder.get_width()), std::uint64_t(transcoder.get_height()),
@@ -28,7 +28,7 @@ ByteImage read_ktx2(const EncodedImage& file)
     if (!transcoder.start_transcoding() ||
         !transcoder.transcode_image_level(0, 0, 0, image.bytes(), std::uint32_t(image.texels.size()),
                                           basist::transcoder_texture_format::cTFRGBA32))
-        throw Error(file.name, "", "damaged KTX2: the pixels can't be unpacked");
+        throw Error(file.name, "", "damaged KTX2: the pixels can't be decoded");
     return image;
 }
 
@@ -36,7 +36,8 @@ ByteImage read_ktx2(const EncodedImage& file)
 
 ByteImage read_ktx2(const EncodedImage& file)
 {
-    throw Error(file.name, "", "this build reads no KTX2: it was made without Basis Universal (docs/formats.md)");
+    throw Error(file.name, "",
+                "this build does not support KTX2: it was built without Basis Universal (docs/formats.md)");
 }
 
 #endif

@@ -114,7 +114,7 @@ Image read_pfm(const EncodedImage& file)
     Image image = make_image(header.width, header.height, header.channels);
     std::vector<float>& pixels = image.layers[0].pixels;
     if (header.end > file.size || (file.size - header.end) / 4 < pixels.size())
-        throw Error(file.name, "", "the file is cut short");
+        throw Error(file.name, "", "the file is truncated");
     const std::size_t row = std::size_t(header.width) * std::size_t(header.channels);
     const float scale = float(std::abs(header.scale));
     const unsigned char* bytes = file.bytes + header.end;

@@ -36,7 +36,7 @@ void on_warning(png_structp, png_const_charp) {}
 void on_read(png_structp png, png_bytep destination, std::size_t size)
 {
     auto* source = static_cast<Source*>(png_get_io_ptr(png));
-    if (size > source->size - source->position) png_error(png, "the file is cut short");
+    if (size > source->size - source->position) png_error(png, "the file is truncated");
     std::memcpy(destination, source->bytes + source->position, size);
     source->position += size;
 }

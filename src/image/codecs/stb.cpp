@@ -80,8 +80,8 @@ Image take_values(const EncodedImage& file, const Feed& feed, Value* values, int
                   float scale)
 {
     const std::unique_ptr<Value, Free> owner(values);
-    if (!values) throw Error(file.name, "", fmt::format("damaged picture: {}", stbi_failure_reason()));
-    if (feed.beyond_end()) throw Error(file.name, "", "the file is cut short");
+    if (!values) throw Error(file.name, "", fmt::format("damaged image: {}", stbi_failure_reason()));
+    if (feed.beyond_end()) throw Error(file.name, "", "the file is truncated");
     Image image = make_image(width, height, channels);
     std::vector<float>& pixels = image.layers[0].pixels;
     for (std::size_t i = 0; i < pixels.size(); ++i) pixels[i] = float(values[i]) / scale;
@@ -109,7 +109,7 @@ void check_pnm_header(const EncodedImage& file)
         if (in_comment) {
             in_comment = c != '\n' && c != '\r';
         } else if (c >= '0' && c <= '9') {
-            if (++digits > 9) throw Error(file.name, "", "damaged picture: a number of its header is too large");
+            if (++digits > 9) throw Error(file.name, "", "damaged image: a number in its header is too large");
         } else {
             if (digits > 0) ++numbers;
             digits = 0;
@@ -126,9 +126,9 @@ Image read_stb(const EncodedImage& file)
     int width = 0, height = 0, channels = 0;
     Feed info(file);
     if (!stbi_info_from_callbacks(&callbacks, &info, &width, &height, &channels))
-        throw Error(file.name, "",
-                    "this is not a picture in a format that can be read (EXR, PNG, JPEG, WebP, AVIF, HDR, BMP, "
-                    "TGA, GIF, PSD, PNM)");
+        throw Error(
+            file.name, "",
+            "this is not an image in a supported format (EXR, PNG, JPEG, WebP, AVIF, HDR, BMP, TGA, GIF, PSD, PNM)");
     // The factor 2 covers copies that stb_image makes during conversion.
     check_size(file, std::uint64_t(width), std::uint64_t(height), std::uint64_t(channels) * 2 * sizeof(float));
 

@@ -13,11 +13,11 @@ ByteImage read_webp(const EncodedImage& file)
     WebPBitstreamFeatures features;
     if (WebPGetFeatures(file.bytes, file.size, &features) != VP8_STATUS_OK)
         throw Error(file.name, "", "damaged WebP: the header can't be read");
-    if (features.has_animation) throw Error(file.name, "", "an animated WebP is not a picture");
+    if (features.has_animation) throw Error(file.name, "", "animated WebP is not supported");
     check_size(file, std::uint64_t(features.width), std::uint64_t(features.height), sizeof(std::uint32_t));
     ByteImage image(features.width, features.height, features.has_alpha ? 4 : 3);
     if (!WebPDecodeRGBAInto(file.bytes, file.size, image.bytes(), 4 * image.texels.size(), 4 * image.width))
-        throw Error(file.name, "", "damaged WebP: the file is cut short or wrong");
+        throw Error(file.name, "", "damaged WebP: the file is truncated or invalid");
     return image;
 }
 

@@ -83,14 +83,14 @@ Input find_input(const ocio::Config& config, const std::string& file, const std:
 {
     if (!name.empty()) {
         if (const auto space = config.getColorSpace(name.c_str())) return {space->getName(), nullptr};
-        chosen(file, "colour space", name, color_spaces(config));
+        chosen(file, "color space", name, color_spaces(config));
     }
     for (const char* const usual : usual_inputs)
         if (const auto space = config.getColorSpace(usual)) return {space->getName(), nullptr};
     if (config.hasRole(ocio::ROLE_INTERCHANGE_SCENE))
         return {config.getColorSpace(ocio::ROLE_INTERCHANGE_SCENE)->getName(), aces_from_rec709()};
     throw Error(file, "",
-                fmt::format("none of its colour spaces is known to be linear Rec.709; name it by --ocio-input: {}",
+                fmt::format("none of its color spaces is known to be linear Rec.709; choose it with --ocio-input: {}",
                             fmt::join(color_spaces(config), ", ")));
 }
 
@@ -152,7 +152,7 @@ std::shared_ptr<const OcioView> open_ocio(const OcioChoice& choice)
     if (file.empty()) {
         const char* const variable = std::getenv("OCIO");
         if (!variable || !*variable)
-            throw Error("", "OCIO", "this variable is not set: name a configuration of OpenColorIO by --ocio CONFIG");
+            throw Error("", "OCIO", "this variable is not set: give an OpenColorIO configuration with --ocio CONFIG");
         file = variable;
     }
     try {
@@ -160,7 +160,7 @@ std::shared_ptr<const OcioView> open_ocio(const OcioChoice& choice)
     } catch (const ocio::Exception& error) {
         std::string message = error.what();
         std::replace(message.begin(), message.end(), '\n', ' ');
-        throw Error(file, "", fmt::format("this configuration of OpenColorIO can't be used: {}", message));
+        throw Error(file, "", fmt::format("this OpenColorIO configuration can't be used: {}", message));
     }
 }
 
@@ -170,7 +170,7 @@ std::shared_ptr<const OcioView> open_ocio(const OcioChoice&)
 {
     throw Error(
         "", "",
-        "this build has no OpenColorIO: install it (libopencolorio-dev of Debian and Ubuntu), then build again");
+        "this build has no OpenColorIO: install it (libopencolorio-dev on Debian and Ubuntu), then build again");
 }
 
 #endif

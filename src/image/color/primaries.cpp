@@ -37,7 +37,7 @@ ColorMatrix inverse(const ColorMatrix& m)
             cofactors[j][i] = m[(i + 1) % 3][(j + 1) % 3] * m[(i + 2) % 3][(j + 2) % 3] -
                               m[(i + 1) % 3][(j + 2) % 3] * m[(i + 2) % 3][(j + 1) % 3];
     const double determinant = m[0][0] * cofactors[0][0] + m[0][1] * cofactors[1][0] + m[0][2] * cofactors[2][0];
-    if (!(std::abs(determinant) > 1e-9)) throw Error("", "chromaticities", "these primaries span no colours");
+    if (!(std::abs(determinant) > 1e-9)) throw Error("", "chromaticities", "these primaries don't span a color space");
     for (auto& row : cofactors)
         for (double& c : row) c /= determinant;
     return cofactors;
@@ -46,7 +46,7 @@ ColorMatrix inverse(const ColorMatrix& m)
 /// XYZ of a chromaticity at luminance 1.
 Column xyz(Vec2f at)
 {
-    if (!(at.y > 0)) throw Error("", "chromaticities", "white is black");
+    if (!(at.y > 0)) throw Error("", "chromaticities", "a white point or primary has a y of 0");
     return {double(at.x) / double(at.y), 1, (1 - double(at.x) - double(at.y)) / double(at.y)};
 }
 

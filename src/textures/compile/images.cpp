@@ -148,7 +148,7 @@ public:
         if (bytes > double(available()))
             throw Error(
                 scene_.file, "",
-                fmt::format("its textures need {:.1f} GB more of memory, {}", bytes / 1e9, available_memory_text()));
+                fmt::format("its textures need {:.1f} GB more memory, {}", bytes / 1e9, available_memory_text()));
     }
 
 private:
@@ -318,7 +318,7 @@ Decoded decode_alone(const Compiler& c, const ImageUse& use)
     try {
         picture = decoder.read(use.image);
     } catch (const Error& error) {
-        c.warnings.add(fmt::format("{}; grey is used instead", error.what()));
+        c.warnings.add(fmt::format("{}; gray is used instead", error.what()));
     }
     return decoder.texels(std::move(picture), use);
 }
@@ -352,9 +352,8 @@ ImageStore::ImageStore(Compiler& c)
     c.tables.texels.reserve(floats);
     for (std::size_t i = 0; i < uses.size(); ++i) {
         Decoded d = std::move(pictures[i]);  // frees the floats of each image once they are in the tables
-        c.warnings.add(
-            fmt::format("{}: values that are no number or infinite are taken for 0", name_of(c.scene, uses[i].image)),
-            d.non_finite);
+        c.warnings.add(fmt::format("{}: values that are not finite are replaced by 0", name_of(c.scene, uses[i].image)),
+                       d.non_finite);
         Texels& texels = texels_[uses[i]];
         texels = {d.format, c.tables.packed_images.size(), d.width, d.height};
         if (uses[i].purpose == ImageUse::Purpose::light) {
@@ -406,7 +405,7 @@ void ImageStore::set_environment(Compiler& c)
         const CubeFace& square = environment_.at(e.image);
         if (square.width != square.height)
             throw Error(c.scene.images[std::size_t(e.image)].name, "",
-                        fmt::format("an equal-area environment is a square: this picture has {} by {} pixels",
+                        fmt::format("an equal-area environment image must be square: this one has {} by {} pixels",
                                     square.width, square.height));
         t.width = equirectangular_width(square), t.height = square.width;
         Decoder(c.scene, 1).check_memory(16.0 * t.width * t.height);

@@ -130,14 +130,14 @@ TEST(Avif, WhatCanNotBeReadIsOneLineWithItsName)
     const auto code = [](int x, int y, int) { return x + y; };
     const Planes planes = made_planes(64, 64, 10, AVIF_PIXEL_FORMAT_YUV444, false, code);
     std::vector<unsigned char> file = file_of(planes);
-    EXPECT_EQ(error_of(file, 100'000), "a.avif: a picture of 64x64 pixels needs 0.0 GB of memory, 0.0 GB are there");
+    EXPECT_EQ(error_of(file, 100'000), "a.avif: an image of 64x64 pixels needs 0.0 GB of memory, 0.0 GB are available");
     EXPECT_EQ(error_of(file), "read");
     file.resize(file.size() - 20);
     EXPECT_EQ(error_of(file).rfind("a.avif: damaged AVIF: ", 0), 0u) << error_of(file);
     for (const auto transfer : {AVIF_TRANSFER_CHARACTERISTICS_SMPTE2084, AVIF_TRANSFER_CHARACTERISTICS_HLG}) {
         planes->transferCharacteristics = avifTransferCharacteristics(transfer);
         EXPECT_EQ(error_of(file_of(planes)),
-                  "a.avif: an AVIF of high dynamic range (PQ or HLG) can't be read: convert it to OpenEXR");
+                  "a.avif: AVIF with high dynamic range (PQ or HLG) is not supported: convert it to OpenEXR");
     }
 }
 

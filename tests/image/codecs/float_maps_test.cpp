@@ -67,7 +67,7 @@ TEST(Hdr, EveryOrientation)
             }
     for (const char* const wrong : {"-Y 1 +Y 1", "-X 1 +X 1", "Y 1 X 1", "-Y 0 +X 1", "-Y 1", "*Y 1 +X 1", ""})
         EXPECT_EQ(error_of(hdr("", wrong, 1, 1)),
-                  fmt::format("damaged HDR: expected a size as '-Y 600 +X 800', found '{}'", wrong));
+                  fmt::format("damaged HDR: expected a size such as '-Y 600 +X 800', found '{}'", wrong));
 }
 
 /// Values are divided by the product of all EXPOSURE and COLORCORR lines (Radiance file format manual).
@@ -94,7 +94,7 @@ TEST(Hdr, PrimariesAreThoseOfTheHeader)
     ASSERT_TRUE(found.has_value());
     EXPECT_TRUE(is_same(*found, {{0.68f, 0.32f}, {0.265f, 0.69f}, {0.15f, 0.06f}, {0.3127f, 0.329f}}));
     EXPECT_EQ(error_of(hdr("PRIMARIES=0.3 0.3 0.3 0.3 0.3 0.3 0.3 0.3\n", "-Y 1 +X 1", 1, 1)),
-              "PRIMARIES: these primaries span no colours");
+              "PRIMARIES: these primaries don't span a color space");
 }
 
 std::string floats(const std::vector<float>& values, bool is_little_endian)
@@ -150,7 +150,7 @@ TEST(Pfm, Mistakes)
     const std::string whole = "PF\n2 2\n-1\n" + floats(std::vector<float>(12, 1), true);
     EXPECT_EQ(error_of(whole), "read");
     for (std::size_t size = 2; size < whole.size(); ++size) EXPECT_NE(error_of(whole.substr(0, size)), "read") << size;
-    EXPECT_EQ(error_of(whole.substr(0, whole.size() - 1)), "the file is cut short");
+    EXPECT_EQ(error_of(whole.substr(0, whole.size() - 1)), "the file is truncated");
     EXPECT_EQ(error_of("PF\n-2 2\n-1\n"), "damaged PFM: expected a size, found '-2'");
     EXPECT_EQ(error_of("PF\n2 x\n-1\n"), "damaged PFM: expected a size, found 'x'");
     for (const char* const scale : {"0", "nan", "inf", "x", ""})

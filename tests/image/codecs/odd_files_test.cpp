@@ -52,8 +52,7 @@ std::string exr_of_integers()
 
 TEST(Exr, WithoutAnythingButIntegersIsNoPicture)
 {
-    EXPECT_EQ(error_of(exr_of_integers()),
-              "there is no picture in it: all its channels are integers, as ids have them");
+    EXPECT_EQ(error_of(exr_of_integers()), "it contains no image: all its channels are integers, such as ids");
 }
 
 TEST(Exr, AttributesLongerThanTheFileAreNotBelieved)
@@ -65,7 +64,7 @@ TEST(Exr, AttributesLongerThanTheFileAreNotBelieved)
     ASSERT_NE(at, std::string::npos);
     file.replace(at, name.size() + 4, std::string("compression") + '\0' + "string" + '\0' + raw(0x7ffffff0));
     const test::MemoryLimit limit(rlim_t(1) << 30);
-    EXPECT_EQ(error_of(file), "the file is cut short or damaged");
+    EXPECT_EQ(error_of(file), "the file is truncated or damaged");
 }
 
 TEST(Exr, AttributesThatReachIntoTheNextAreNotBelieved)
@@ -82,7 +81,7 @@ TEST(Exr, AttributesThatReachIntoTheNextAreNotBelieved)
         size += std::int32_t(text.size());
         std::memcpy(&file[at], &size, 4);
         const test::MemoryLimit limit(rlim_t(1) << 30);
-        EXPECT_EQ(error_of(file), "the file is cut short or damaged") << word;
+        EXPECT_EQ(error_of(file), "the file is truncated or damaged") << word;
     }
 }
 
@@ -133,8 +132,8 @@ TEST(Pnm, NumbersThatWrapAroundAreRefused)
     EXPECT_EQ(error_of("P6 2 2 255 abcdefghijkl"), "read");
     EXPECT_EQ(error_of("P6 #4294967298\n2 2 255 1234567890ab"), "read");
     // The width wraps around to 2 modulo 2^32.
-    EXPECT_EQ(error_of("P6 4294967298 2 255 abcdefghijkl"), "damaged picture: a number of its header is too large");
-    EXPECT_EQ(error_of("P6 2 2 4294967551 abcdefghijkl"), "damaged picture: a number of its header is too large");
+    EXPECT_EQ(error_of("P6 4294967298 2 255 abcdefghijkl"), "damaged image: a number in its header is too large");
+    EXPECT_EQ(error_of("P6 2 2 4294967551 abcdefghijkl"), "damaged image: a number in its header is too large");
 }
 
 TEST(ReadImage, RefusesPipesAndDevicesAtOnce)
@@ -147,7 +146,7 @@ TEST(ReadImage, RefusesPipesAndDevicesAtOnce)
             read_image(file);
             ADD_FAILURE() << file;
         } catch (const Error& error) {
-            EXPECT_EQ(error.message(), "this is a device or a pipe, not a picture");
+            EXPECT_EQ(error.message(), "this is a device or a pipe, not an image");
         }
     }
 }

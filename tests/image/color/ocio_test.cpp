@@ -136,7 +136,7 @@ TEST_F(Ocio, InputIsFoundOrNamed)
     write(configuration("lin_ap1"));
     EXPECT_EQ(
         error(),
-        "none of its colour spaces is known to be linear Rec.709; name it by --ocio-input: plain, squared, turned, "
+        "none of its color spaces is known to be linear Rec.709; choose it with --ocio-input: plain, squared, turned, "
         "quarter");
     choice_.view = "as it is";
     choice_.input = "lin_ap1";
@@ -169,18 +169,18 @@ TEST_F(Ocio, WhatIsNotThereIsNamedWithWhatIs)
     EXPECT_EQ(error(), "there is no look 'blue'; there are: half, red");
     choice_.look = "";
     choice_.input = "lin";
-    EXPECT_EQ(error(), "there is no colour space 'lin'; there are: plain, squared, turned, quarter");
+    EXPECT_EQ(error(), "there is no color space 'lin'; there are: plain, squared, turned, quarter");
     write("ocio_profile_version: 2\nroles: [");
-    EXPECT_EQ(error().rfind("this configuration of OpenColorIO can't be used: ", 0), 0u) << error();
+    EXPECT_EQ(error().rfind("this OpenColorIO configuration can't be used: ", 0), 0u) << error();
     choice_.config = (folder_.path() / "none.ocio").string();
-    EXPECT_EQ(error().rfind("this configuration of OpenColorIO can't be used: ", 0), 0u) << error();
+    EXPECT_EQ(error().rfind("this OpenColorIO configuration can't be used: ", 0), 0u) << error();
 }
 
 TEST_F(Ocio, OfTheEnvironment)
 {
     const std::string config = std::exchange(choice_.config, "");
     unsetenv("OCIO");
-    EXPECT_EQ(error(), "this variable is not set: name a configuration of OpenColorIO by --ocio CONFIG");
+    EXPECT_EQ(error(), "this variable is not set: give an OpenColorIO configuration with --ocio CONFIG");
     setenv("OCIO", config.c_str(), 1);
     expect_codes({0.5f, 0.25f, 0.75f}, {0.25f, 0.0625f, 0.5625f});
     unsetenv("OCIO");
