@@ -22,7 +22,7 @@ template <class Function>
 void load_function(void* library, const std::string& file, const char* what, const char* name, Function& function)
 {
     function = reinterpret_cast<Function>(dlsym(library, name));
-    if (!function) throw Error(file, name, std::string("there is no such function: this is not ") + what);
+    if (!function) throw Error(file, name, std::string("no such function: the library is not ") + what);
 }
 
 }  // namespace fathom

@@ -75,9 +75,9 @@ std::string available_memory_text()
     const Limit limit = limit_now();
     const std::uint64_t left = left_of(limit), of_machine = memory_left("/");
     if (left < of_machine)
-        return fmt::format("{} are left of the {} that {} allows", memory_text(double(left)),
+        return fmt::format("{} of the {} allowed by {} are left", memory_text(double(left)),
                            memory_text(double(limit.bytes)), limit.said_by);
-    return memory_text(double(of_machine)) + " are there";
+    return memory_text(double(of_machine)) + " are available";
 }
 
 void limit_memory(std::uint64_t bytes, std::string said_by)
@@ -93,15 +93,16 @@ void check_memory(const std::string& file, std::vector<MemoryEstimate> needs)
     for (const MemoryEstimate& need : needs) needed += need.bytes;
     const auto refuse = [&](double total, const std::string& allowed) {
         throw Error(file, "",
-                    fmt::format("needs some {} ({}), {}", memory_text(total),
+                    fmt::format("needs about {} ({}), {}", memory_text(total),
                                 largest_estimates_text(std::move(needs), total, total < 1e9 ? 1e6 : 1e9), allowed));
     };
-    if (const auto there = double(memory_left("/")); needed > there) refuse(needed, memory_text(there) + " are there");
+    if (const auto there = double(memory_left("/")); needed > there)
+        refuse(needed, memory_text(there) + " are available");
     if (!limit.is_set() || needed <= double(left_of(limit))) return;
     trim_heap();
     const auto taken = double(resident_memory("/"));
     if (needed + taken <= double(limit.bytes)) return;
-    needs.push_back({"what is read already", taken});
+    needs.push_back({"data read so far", taken});
     refuse(needed + taken, fmt::format("{} allows {}", limit.said_by, memory_text(double(limit.bytes))));
 }
 

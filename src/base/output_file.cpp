@@ -33,7 +33,7 @@ fs::path temporary_name(const fs::path& folder, const fs::path& target)
 {
     std::uint64_t number = 0;
     if (getrandom(&number, sizeof number, 0) != ssize_t(sizeof number))
-        throw Error(target.string(), "", "can't write: the system gives no random numbers");
+        throw Error(target.string(), "", "can't write: the system provides no random numbers");
     const std::string end = fmt::format(".{:016x}.part", number);
     const std::size_t room = max_name_length(folder);
     return folder / ("." + target.filename().string().substr(0, room > end.size() ? room - end.size() - 1 : 0) + end);
@@ -46,12 +46,12 @@ void check_length(const std::string& target, const fs::path& path, const fs::pat
     const std::size_t name = path.filename().string().size(), max_name = max_name_length(temporary.parent_path());
     if (name > max_name)
         throw Error(target, "",
-                    fmt::format("can't write: the name has {} bytes, and this folder takes {}", name, max_name));
+                    fmt::format("can't write: the name has {} bytes, and this folder allows {}", name, max_name));
     const std::size_t longest = std::max(path.string().size(), temporary.string().size());
     if (longest >= PATH_MAX)
         throw Error(target, "",
-                    fmt::format("can't write: with its folder the name has {} bytes, and the system takes {}",
-                                path.string().size(), PATH_MAX - 1 - (longest - path.string().size())));
+                    fmt::format("can't write: the path has {} bytes, and the system allows {}", path.string().size(),
+                                PATH_MAX - 1 - (longest - path.string().size())));
 }
 
 /// Whether another user may have planted the link to redirect the output: the rule of Linux' protected_symlinks, for
@@ -89,8 +89,8 @@ std::optional<fs::path> followed(const fs::path& target)
         }
         if (is_untrusted_link(place, real))
             throw Error(target.string(), "",
-                        fmt::format("can't write: '{}' is a link that another user made in a folder that others may "
-                                    "write to; name the place itself",
+                        fmt::format("can't write: '{}' is a symbolic link of another user in a folder that others can "
+                                    "write to; give its target instead",
                                     place.string()));
         const fs::path to = fs::read_symlink(place, error);
         if (error || ++links > max_links) throw Error(target.string(), "", "can't write: too many symbolic links");

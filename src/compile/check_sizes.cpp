@@ -75,11 +75,11 @@ public:
     {
         const Bounds& box = boxes_.of(*p.shape);
         if (box.empty) {
-            if (p.shape->geometry.index() != 0) refuse(p, "its size is more than a number can hold");
+            if (p.shape->geometry.index() != 0) refuse(p, "its size exceeds the range of floating-point numbers");
             return;
         }
         if (!(std::max(largest(box.min), largest(box.max)) <= farthest))
-            refuse(p, fmt::format("a coordinate of its shape is {:.3g}; up to {:g} can be rendered",
+            refuse(p, fmt::format("a coordinate of its shape is {:.3g}; the limit is {:g}",
                                   std::max(largest(box.min), largest(box.max)), farthest));
         check_box(p, p.render_from_node, box);
         if (p.motion >= 0)
@@ -107,9 +107,9 @@ private:
     void check_point(const FlattenedShape& p, Vec3d render) const
     {
         const double metres = largest(render) / c_.space.scale;
-        if (!is_finite(render)) refuse(p, "puts its shape farther away than a number can say");
+        if (!is_finite(render)) refuse(p, "places its shape beyond the range of floating-point numbers");
         if (metres > farthest || largest(render) > largest_in_render_space)
-            refuse(p, fmt::format("puts its shape {:.3g} m away from the camera; up to {:g} m can be rendered", metres,
+            refuse(p, fmt::format("places its shape {:.3g} m away from the camera; the limit is {:g} m", metres,
                                   std::min(farthest, largest_in_render_space / c_.space.scale)));
     }
 
@@ -123,14 +123,14 @@ void check_camera(const SceneDescription& scene, const Camera& camera)
 {
     const auto check = [&](double value, const char* what, const char* unit) {
         if (!(std::abs(value) <= farthest))
-            refuse(scene, camera,
-                   fmt::format("{} {:.3g}{}; up to {:g}{} can be rendered", what, value, unit, farthest, unit));
+            refuse(scene, camera, fmt::format("{} {:.3g}{}; the limit is {:g}{}", what, value, unit, farthest, unit));
     };
     for (const Vec3d& v : {camera.position, camera.look_at, camera.look_at - camera.position})
         for (const double x : {v.x, v.y, v.z}) check(x, "a coordinate is", "");
     if (!(is_finite(camera.up) && largest(camera.up) > 0 && is_finite(normalize(camera.up))))
-        refuse(scene, camera, "'up' is no direction");
-    if (!(length(camera.look_at - camera.position) > 0)) refuse(scene, camera, "it looks at where it stands");
+        refuse(scene, camera, "'up' is not a direction");
+    if (!(length(camera.look_at - camera.position) > 0))
+        refuse(scene, camera, "its position and its look_at point are the same");
     check(camera.aperture, "the aperture is", " m");
     check(camera.focus_distance, "the focus distance is", " m");
     check(camera.height, "the height is", " m");
@@ -140,21 +140,21 @@ void check_camera(const SceneDescription& scene, const Camera& camera)
     check(camera.shutter_close, "the shutter closes at", " s");
     if (camera.shutter_open < camera.shutter_close && !(float(camera.shutter_open) < float(camera.shutter_close)))
         refuse(scene, camera,
-               fmt::format(
-                   "the shutter opens at {:.9g} s and closes at {:.9g} s, which is the same for a float; take times "
-                   "nearer to 0",
-                   camera.shutter_open, camera.shutter_close));
+               fmt::format("the shutter opens at {:.9g} s and closes at {:.9g} s, which are equal in single precision; "
+                           "use times closer to 0",
+                           camera.shutter_open, camera.shutter_close));
 }
 
 void check_camera(const SceneDescription& scene, const Camera& camera, const RenderSpace& space)
 {
     const auto check = [&](double metres, const char* what) {
         if (!(std::abs(metres) * space.scale <= largest_in_render_space))
-            refuse(scene, camera, fmt::format("{} is {:.3g} m, which is too large beside the scene", what, metres));
+            refuse(scene, camera,
+                   fmt::format("{} is {:.3g} m, which is too large compared with the scene", what, metres));
     };
     check(camera.aperture, "the aperture");
     check(camera.focus_distance, "the focus distance");
-    check(length(camera.look_at - camera.position), "the distance to what it looks at");
+    check(length(camera.look_at - camera.position), "the distance to its look_at point");
     if (camera.kind == CameraKind::orthographic) check(camera.height, "the height");
 }
 

@@ -56,7 +56,7 @@ struct Compiler {
 
 /// Format of a warning that names the file.
 inline constexpr const char alpha_unsupported[] =
-    "{}: alpha of curves, of points, and of spheres and disks that move is not supported; they are opaque";
+    "{}: alpha of curves, of points, and of moving spheres and disks is not supported; they are opaque";
 
 /// Flattens the node hierarchy; a node that is reached twice occurs twice.
 FlattenedScene flatten_scene(const Compiler& c);

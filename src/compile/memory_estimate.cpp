@@ -126,8 +126,8 @@ public:
                 lights += of(l.picture.image).pixels() * bytes_per_light_texel;
         return {{"textures", textures},
                 {"environment", environment},
-                {"pictures of lights", lights},
-                {"decoding a picture", largest_read_}};
+                {"images of lights", lights},
+                {"decoding an image", largest_read_}};
     }
 
 private:
@@ -205,7 +205,7 @@ std::vector<MemoryEstimate> ShapeMemory::needs() const
     return {{"triangles", triangles},
             {"curves", curves_},
             {"points", points_},
-            {"places of shapes", places_ * bytes_per_occurrence},
+            {"shape instances", places_ * bytes_per_occurrence},
             {"lights", lights_ * bytes_per_light}};
 }
 

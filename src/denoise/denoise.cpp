@@ -25,7 +25,7 @@ using Plane = std::vector<float>;
 Plane plane_of(const Image::Layer& layer)
 {
     const std::size_t stride = layer.channels.size();
-    if (stride < 3) throw Error("", layer.name, "can't be denoised: the picture has no three channels");
+    if (stride < 3) throw Error("", layer.name, "can't be denoised: the image has fewer than three channels");
     Plane plane(layer.pixels.size() / stride * 3);
     for (std::size_t i = 0; i < plane.size() / 3; ++i) std::copy_n(&layer.pixels[i * stride], 3, &plane[3 * i]);
     return plane;
@@ -39,7 +39,7 @@ struct Input {
 /// The image, with its auxiliary albedo and normal layers; OIDN accepts normals only with an albedo.
 std::vector<Input> inputs_of(const Image& image)
 {
-    if (image.layers.empty()) throw Error("", "", "can't denoise an empty picture");
+    if (image.layers.empty()) throw Error("", "", "can't denoise an empty image");
     std::vector<Input> inputs = {{"color", plane_of(image.layers[0])}};
     for (const char* name : {"albedo", "normal"}) {
         const Image::Layer* layer = image.find(name);
@@ -121,7 +121,7 @@ Denoiser::Denoiser(int threads)
                                 oidn.oidnGetDeviceInt(device, "versionPatch"));
     if (major != 2)
         throw Error(oidn.file.string(), "denoising",
-                    fmt::format("this is Open Image Denoise {}, and 2 is needed", data->version));
+                    fmt::format("this is Open Image Denoise {}; version 2 is required", data->version));
     data_ = data;
 }
 

@@ -112,11 +112,10 @@ Oidn open_oidn()
         if (void* library = open_library(file)) return load_functions(library, file);
         reason = fmt::format(" ({})", dynamic_library_error());
     }
-    throw Error(
-        "", "denoising",
-        fmt::format("Open Image Denoise 2 is not there{}: `pip install pyoidn` brings it, or name its {} by the "
-                    "environment variable {}",
-                    reason, soname, variable));
+    throw Error("", "denoising",
+                fmt::format("Open Image Denoise 2 was not found{}: `pip install pyoidn` provides it, or give the path "
+                            "of its {} in the environment variable {}",
+                            reason, soname, variable));
 }
 
 }  // namespace fathom

@@ -67,7 +67,7 @@ void Film::Data::add_range(SampleRange range)
     for (const SampleRange& r : samples)
         if (range.first < r.second && r.first < range.second)
             throw Error("", "",
-                        fmt::format("samples {}:{} overlap with {}:{}, which are in the film already", range.first,
+                        fmt::format("samples {}:{} overlap with {}:{}, which the film already contains", range.first,
                                     range.second, r.first, r.second));
     samples.push_back(range);
     std::sort(samples.begin(), samples.end());
@@ -85,7 +85,7 @@ void Film::Data::register_samples(const FilmKey& of, const std::vector<SampleRan
                                   std::uint64_t dropped_there)
 {
     if (const std::string difference = of.difference(key); !difference.empty())
-        throw Error("", "", "does not belong to the others: " + difference);
+        throw Error("", "", "does not match the others: " + difference);
     const std::vector<SampleRange> before = samples;
     try {
         for (const SampleRange& range : ranges) add_range(range);
@@ -290,17 +290,16 @@ Film Film::from_sums(const Sums& sums)
     const RenderSettings& settings = key.settings;
     if (settings.width != sums.width || settings.height != sums.height)
         throw Error("", "",
-                    fmt::format("its sums are of {}x{} pixels, but those of a picture of {}x{}", sums.width,
-                                sums.height, settings.width, settings.height));
+                    fmt::format("its sums have {}x{} pixels, but its image has {}x{}", sums.width, sums.height,
+                                settings.width, settings.height));
     const int words = FilmLayout(settings.aovs, settings.alpha).words;
     const std::size_t pixels = std::size_t(settings.width) * std::size_t(settings.height);
     if (words != sums.words_per_pixel || sums.words.size() != pixels * std::size_t(words))
-        throw Error("", "",
-                    fmt::format("its sums have {} words a pixel, {} were expected", sums.words_per_pixel, words));
+        throw Error("", "", fmt::format("its sums have {} words per pixel, expected {}", sums.words_per_pixel, words));
     Film film(std::move(key));
     for (const SampleRange& range : sums.samples) {
         if (range.first >= range.second || range.second > max_samples)
-            throw Error("", "", fmt::format("there is no range of samples {}:{}", range.first, range.second));
+            throw Error("", "", fmt::format("the range of samples {}:{} is invalid", range.first, range.second));
         film.data_->add_range(range);
     }
     film.data_->words.assign(sums.words.begin(), sums.words.end());

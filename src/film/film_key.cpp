@@ -40,7 +40,7 @@ std::vector<std::pair<std::string, std::string>> fields_of(const FilmKey& key)
 
 [[noreturn]] void fail(const std::string& what)
 {
-    throw Error("", "", "its sums are of no film that this version knows: " + what);
+    throw Error("", "", "its sums belong to a film that this version can't read: " + what);
 }
 
 /// Parses the fields of a key in order.
@@ -54,7 +54,7 @@ public:
         const std::string_view all = rest_.substr(0, rest_.find(';'));
         rest_.remove_prefix(std::min(rest_.size(), all.size() + 1));
         if (all.substr(0, name.size()) != name || all.substr(name.size(), 1) != "=")
-            fail(fmt::format("'{}' stands where {} was expected", all.substr(0, 40), name));
+            fail(fmt::format("found '{}' where {} was expected", all.substr(0, 40), name));
         return all.substr(name.size() + 1);
     }
     template <class T>
@@ -109,12 +109,13 @@ void check_settings(const RenderSettings& s)
 {
     if (s.width < 1 || s.height < 1 || s.width > 65535 || s.height > 65535)
         throw Error("", "",
-                    fmt::format("a picture of {}x{} can't be rendered: 1x1 to 65535x65535 can", s.width, s.height));
+                    fmt::format("an image of {}x{} pixels can't be rendered: 1x1 to 65535x65535 are supported", s.width,
+                                s.height));
     if (s.crop && (s.crop->x0 < 0 || s.crop->y0 < 0 || s.crop->x1 > s.width || s.crop->y1 > s.height ||
                    s.crop->x0 >= s.crop->x1 || s.crop->y0 >= s.crop->y1))
-        throw Error("", "", "the crop is empty or not inside the picture");
+        throw Error("", "", "the crop is empty or not inside the image");
     if (!(s.filter_radius >= 0 && s.filter_radius <= max_filter_radius))
-        throw Error("", "", fmt::format("a filter reaches up to {} pixels", max_filter_radius));
+        throw Error("", "", fmt::format("the filter radius must be at most {} pixels", max_filter_radius));
 }
 
 std::string FilmKey::text() const

@@ -125,7 +125,7 @@ void add_ground_if_fitting(SceneEdit& edit, AutoLitScene& result, const std::opt
     add_ground(edit.change(), *ground, model, result.studio);
     result.ground = true;
     if (ground->only_where_it_fits)
-        result.added.push_back("a ground that catches its shadow (--ground none: leave it out)");
+        result.added.push_back("a ground plane that catches its shadow (disable it with --ground none)");
 }
 
 }  // namespace
@@ -168,10 +168,11 @@ AutoLitScene compile_with_light(SceneEdit& edit, LightChoice light, double aspec
         result.scene = {};
         result.studio = result.backdrop = true;
         result.added.push_back(
-            is_decoration ? "a studio light, since what shines in it lights little (--light file: leave it out)"
-                          : fmt::format("a studio light, since its own reaches {:.0f} % of what is seen (--light file: "
-                                        "leave it out)",
-                                        100 * look.lit));
+            is_decoration
+                ? "a studio light, because its emissive surfaces light little of it (disable it with --light file)"
+                : fmt::format("a studio light, because its own light reaches only {:.0f} % of what is visible (disable "
+                              "it with --light file)",
+                              100 * look.lit));
         add_ground_if_fitting(edit, result, ground, !lamps);
         result.scene = edit.compile(warnings);
         return result;
@@ -182,7 +183,8 @@ AutoLitScene compile_with_light(SceneEdit& edit, LightChoice light, double aspec
     const double stops = std::round(2 * look.exposure_ev()) / 2;
     if (std::abs(stops) < 1.5) return result;
     result.exposure_ev = stops;
-    result.added.push_back(fmt::format("an exposure of {:+} stops for its light (--exposure 0: leave it out)", stops));
+    result.added.push_back(
+        fmt::format("an exposure of {:+} stops for its light (disable it with --exposure 0)", stops));
     return result;
 }
 

@@ -27,7 +27,7 @@ void check_camera(const CameraRecord& record, const Camera& camera)
                         "this scene");
     const float* f = record.forward;
     if (!(f[0] * f[0] + f[1] * f[1] + f[2] * f[2] > 0.5f))
-        throw Error("", fmt::format("camera '{}'", camera.name), "it looks at the place where it stands");
+        throw Error("", fmt::format("camera '{}'", camera.name), "its position and its look_at point are the same");
 }
 
 }  // namespace
@@ -43,7 +43,7 @@ RenderJob::RenderJob(const Scene& scene, const Camera& camera, const RenderSetti
     const SceneTables& tables = *compiled.tables;
     if (tables.moving && (record.shutter_open != tables.shutter_open || record.shutter_close != tables.shutter_close))
         throw Error("", fmt::format("camera '{}'", camera.name),
-                    "its shutter has other times than the one that the scene was compiled for, where things move");
+                    "its shutter times differ from those that the moving scene was compiled for");
     data_ = std::make_shared<const Data>(Data{scene,
                                               camera,
                                               record,

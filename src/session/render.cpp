@@ -198,7 +198,7 @@ public:
           arena_(threads_)
     {
         if (const std::string difference = film.key.difference(job.key()); !difference.empty())
-            throw Error("", "", "the film is of another job: " + difference);
+            throw Error("", "", "the film belongs to another job: " + difference);
         const auto start = std::chrono::steady_clock::now();
         arena_.execute([&] { kernel_.guiding = guiding_of(job, kernel_, cancel); });
         const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
@@ -355,7 +355,7 @@ bool render_pass(const RenderJob& job, SampleRange range, Film& film, const std:
 try {
     check_range(range);
     if (range.first >= range.second || range.second - range.first > max_pass_samples)
-        throw Error("", "", fmt::format("a pass has 1 to {} samples", max_pass_samples));
+        throw Error("", "", fmt::format("a pass must have 1 to {} samples", max_pass_samples));
     Film::Data& data = film.data();
     Passes passes(job, data, &cancel);
     check_new(range, film);
@@ -406,9 +406,8 @@ Color render_sample(const RenderJob& job, int x, int y, std::uint64_t sample_ind
     const RenderSettings& settings = job.settings();
     check_range({sample_index, sample_index + 1});
     if (x < 0 || y < 0 || x >= settings.width || y >= settings.height)
-        throw Error(
-            "", "",
-            fmt::format("there is no pixel {},{} in a picture of {}x{}", x, y, settings.width, settings.height));
+        throw Error("", "",
+                    fmt::format("there is no pixel {},{} in an image of {}x{}", x, y, settings.width, settings.height));
     KernelSettings kernel = kernel_settings(settings, FilmLayout({}, false));
     kernel.guiding = guiding_of(job, kernel, nullptr);
     const std::uint32_t pixel = std::uint32_t(y) << 16 | std::uint32_t(x);

@@ -84,13 +84,13 @@ TEST(CheckSizes, Cameras)
                   0u);
     }
     EXPECT_EQ(error([](Camera& c) { c.aperture = 1e12; }),
-              "camera 'main': the aperture is 1e+12 m, which is too large beside the scene");
-    EXPECT_EQ(
-        error([](Camera& c) { c.shutter_open = 1e9, c.shutter_close = 1e9 + 1; }),
-        "camera 'main': the shutter opens at 1e+09 s and closes at 1e+09 s, which is the same for a float; take times "
-        "nearer to 0");
-    EXPECT_EQ(error([](Camera& c) { c.look_at = c.position; }), "camera 'main': it looks at where it stands");
-    EXPECT_EQ(error([](Camera& c) { c.up = {0, 0, 0}; }), "camera 'main': 'up' is no direction");
+              "camera 'main': the aperture is 1e+12 m, which is too large compared with the scene");
+    EXPECT_EQ(error([](Camera& c) { c.shutter_open = 1e9, c.shutter_close = 1e9 + 1; }),
+              "camera 'main': the shutter opens at 1e+09 s and closes at 1e+09 s, which are equal in single precision; "
+              "use times closer to 0");
+    EXPECT_EQ(error([](Camera& c) { c.look_at = c.position; }),
+              "camera 'main': its position and its look_at point are the same");
+    EXPECT_EQ(error([](Camera& c) { c.up = {0, 0, 0}; }), "camera 'main': 'up' is not a direction");
     // Large distances and late shutter times alone are valid.
     EXPECT_EQ(error([](Camera& c) { c.look_at = {0, 0, -1e8}; }), "rendered");
     EXPECT_EQ(error([](Camera& c) { c.shutter_open = 1e6, c.shutter_close = 1e6 + 1; }), "rendered");
@@ -102,8 +102,8 @@ TEST(CheckSizes, Nodes)
         return error_of([=](SceneDescription& s) { s.nodes[node].parent_from_node = Transform::translate({x, 0, 0}); });
     };
     for (const double huge : {1e16, 1e22, 1e30, 1e200}) {
-        EXPECT_EQ(moved(0, huge).rfind("nodes[0] 'ball': puts its shape 1", 0), 0u) << moved(0, huge);
-        EXPECT_EQ(moved(2, -huge).rfind("nodes[2]: puts its shape 1", 0), 0u) << moved(2, -huge);
+        EXPECT_EQ(moved(0, huge).rfind("nodes[0] 'ball': places its shape 1", 0), 0u) << moved(0, huge);
+        EXPECT_EQ(moved(2, -huge).rfind("nodes[2]: places its shape 1", 0), 0u) << moved(2, -huge);
     }
     EXPECT_EQ(moved(0, 1e6), "rendered");
     // Products of transforms overflow although none of the factors does.
@@ -114,17 +114,17 @@ TEST(CheckSizes, Nodes)
                   scene.roots[0] = int(scene.nodes.size());
                   scene.nodes.push_back(above);
               }),
-              "nodes[0] 'ball': puts its shape farther away than a number can say");
+              "nodes[0] 'ball': places its shape beyond the range of floating-point numbers");
     EXPECT_EQ(error_of([](SceneDescription& scene) {
                   std::get<Sphere>(scene.nodes[0].shapes[0].geometry).radius = 1.7e308;
               }).rfind("nodes[0] 'ball': ", 0),
               0u);
     EXPECT_EQ(error_of([](SceneDescription& scene) { scene.meshes[0].positions[5].y = 1e30f; }),
-              "nodes[1]: a coordinate of its shape is 1e+30; up to 1e+15 can be rendered");
+              "nodes[1]: a coordinate of its shape is 1e+30; the limit is 1e+15");
     EXPECT_EQ(error_of([](SceneDescription& scene) {
                   std::get<Sphere>(scene.nodes[0].shapes[0].geometry).center_end = Vec3d{1e9, 0, 0};
                   scene.cameras[0].shutter_open = 1e7, scene.cameras[0].shutter_close = 1e7 + 1;
-              }).rfind("nodes[0] 'ball': puts its shape 1e+16 m away", 0),
+              }).rfind("nodes[0] 'ball': places its shape 1e+16 m away", 0),
               0u);
 }
 
@@ -134,7 +134,7 @@ TEST(CheckSizes, WhatIsScaledToNothingIsLeftOut)
         EXPECT_EQ(error_of([=](SceneDescription& scene) {
                       scene.nodes[2].parent_from_node = Transform::scale({tiny, tiny, tiny});
                   }),
-                  "s.json: shapes that are scaled to next to nothing are left out");
+                  "s.json: shapes that are scaled to almost zero size are ignored");
 }
 
 TEST(CheckSizes, Lights)
@@ -144,17 +144,17 @@ TEST(CheckSizes, Lights)
                   scene.materials[0].emission.value = {1, 1e30f, 1};
                   scene.nodes[0].shapes[0].material = 0;
               }),
-              "materials[0].emission: is as bright as 1e+30; up to 1e+20 can be rendered");
+              "materials[0].emission: has a brightness of 1e+30; up to 1e+20 can be rendered");
     EXPECT_EQ(error_of([](SceneDescription& scene) {
                   scene.lights.resize(1);
                   scene.lights[0].intensity = {1e38f, 0, 0};
                   scene.nodes[1].light = 0;
               }),
-              "lights[0]: is as bright as 1e+38; up to 1e+20 can be rendered");
+              "lights[0]: has a brightness of 1e+38; up to 1e+20 can be rendered");
     EXPECT_EQ(error_of([](SceneDescription& scene) {
                   scene.environment.kind = EnvironmentKind::constant;
                   scene.environment.color.b = std::numeric_limits<float>::max();
-              }).rfind("environment: is as bright as 3.4", 0),
+              }).rfind("environment: has a brightness of 3.4", 0),
               0u);
 }
 

@@ -64,7 +64,7 @@ TEST(MemoryNeeds, APlacedMeshIsCountedOnceUnlessItIsSmall)
     EXPECT_EQ(of(estimate_memory(nested(fan(1000), 3, 3), TreeBuild::standard), "triangles"), alone);
     const double small = of(estimate_memory(nested(fan(10), 1, 0), TreeBuild::standard), "triangles");
     EXPECT_EQ(of(estimate_memory(nested(fan(10), 3, 3), TreeBuild::standard), "triangles"), 9 * small);
-    EXPECT_EQ(of(estimate_memory(nested(fan(10), 3, 3), TreeBuild::standard), "places of shapes"),
+    EXPECT_EQ(of(estimate_memory(nested(fan(10), 3, 3), TreeBuild::standard), "shape instances"),
               9 * bytes_per_occurrence);
 }
 
@@ -150,7 +150,7 @@ TEST(MemoryLimit, TellsTheLargestTakersAndWhatIsAllowed)
     } catch (const Error& error) {
         EXPECT_STREQ(
             error.what(),
-            "a.json: needs some 9.3 GB (textures 5.1, triangles 2.9, film of 8192x8192 1.3), --memory allows 8 GB");
+            "a.json: needs about 9.3 GB (textures 5.1, triangles 2.9, film of 8192x8192 1.3), --memory allows 8 GB");
     }
     check_memory("a.json", {{"triangles", 2.9e9}, {"film of 8192x8192", 1.3e9}});
 }
@@ -166,7 +166,7 @@ TEST(MemoryLimit, WhatIsTakenCounts)
     // The resident memory already exceeds the limit.
     const Limited limit(1000000);
     EXPECT_EQ(available_memory_bytes(), 0u);
-    EXPECT_EQ(available_memory_text(), "0 MB are left of the 1 MB that --memory allows");
+    EXPECT_EQ(available_memory_text(), "0 MB of the 1 MB allowed by --memory are left");
     EXPECT_THROW(check_memory("a.json", {{"film", 1}}), Error);
 }
 

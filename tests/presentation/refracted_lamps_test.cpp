@@ -41,7 +41,7 @@ protected:
     }
     void expect_hidden(const char* what)
     {
-        EXPECT_NE(warning().find("1 of 1 lamps without size can only be seen through glass"), std::string::npos)
+        EXPECT_NE(warning().find("1 of 1 lights without size are visible through glass only"), std::string::npos)
             << what << ": " << warning();
     }
 };
@@ -81,7 +81,7 @@ TEST_F(RefractedLampsTest, TellsTheShareOfTheLight)
 {
     add_lamp(LightKind::point);
     add_ball({2, 0, 0}, 1);
-    EXPECT_NE(warning().find("7 % of the light of lamps without size falls on glass"), std::string::npos) << warning();
+    EXPECT_NE(warning().find("7 % of the light of lights without size falls on glass"), std::string::npos) << warning();
 }
 
 TEST_F(RefractedLampsTest, DirectionsSeeTheWholeScene)

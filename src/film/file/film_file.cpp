@@ -42,7 +42,7 @@ public:
             return;
         }
         close(descriptor_);
-        throw Error(name, "", found == 0 ? "this is no file" : reason(found));
+        throw Error(name, "", found == 0 ? "this is not a file" : reason(found));
     }
     InputFile(const InputFile&) = delete;
     InputFile& operator=(const InputFile&) = delete;
@@ -52,7 +52,7 @@ public:
     {
         while (count > 0) {
             const ssize_t got = pread(descriptor_, to, count, off_t(place));
-            if (got == 0) throw Error(name, "", "the file is cut short");
+            if (got == 0) throw Error(name, "", "the file is truncated");
             if (got < 0 && errno != EINTR) throw Error(name, "", reason(errno));
             if (got < 0) continue;
             to += got, place += std::uint64_t(got), count -= std::size_t(got);
@@ -78,12 +78,12 @@ std::vector<unsigned char> read_headers(const InputFile& file)
         bytes.resize(std::min({size, file.size, most}));
         file.read(before, bytes.data() + before, bytes.size() - before);
         if (bytes.size() < 8 || std::memcmp(bytes.data(), "\x76\x2f\x31\x01", 4) != 0)
-            throw Error(file.name, "", "this is no film file: those are EXR");
+            throw Error(file.name, "", "this is not a film file: film files are OpenEXR");
         if (const auto end = exr_headers_end(bytes.data(), bytes.size())) {
             bytes.resize(*end);
             return bytes;
         }
-        if (bytes.size() < size) throw Error(file.name, "", "the file is cut short or damaged");
+        if (bytes.size() < size) throw Error(file.name, "", "the file is truncated or damaged");
     }
 }
 
@@ -153,15 +153,15 @@ void FilmFile::Data::read_start()
         window.max.y != settings.height - 1)
         throw Error(
             name, "",
-            fmt::format("its picture is not of {}x{} pixels, as its sums are", settings.width, settings.height));
+            fmt::format("its image does not have {}x{} pixels, unlike its sums", settings.width, settings.height));
     constexpr unsigned char tiles_parts_deep = 0x1a;
     if (header.compression() != Imf::NO_COMPRESSION || (start[5] & tiles_parts_deep) != 0)
-        throw Error(name, "", "another program has written its sums anew: they must stand as Fathom wrote them");
+        throw Error(name, "", "another program has rewritten its sums: they must be stored as Fathom wrote them");
     read_channels(header);
     const auto height = std::uint64_t(settings.height);
     line = line_header_bytes + line_bytes(header);
     if (file.size != start.size() + height * (sizeof(std::uint64_t) + line))
-        throw Error(name, "", "the file is cut short or damaged");
+        throw Error(name, "", "the file is truncated or damaged");
     const std::size_t headers = start.size();
     start.resize(headers + height * sizeof(std::uint64_t));
     file.read(headers, start.data() + headers, start.size() - headers);
@@ -176,14 +176,14 @@ void FilmFile::Data::read_attributes(const Imf::Header& header)
         const auto found = attributes.find(attribute);
         if (found == attributes.end())
             throw Error(file.name, "",
-                        fmt::format("holds no sums to merge (no '{}'): render it with --mergeable", attribute));
+                        fmt::format("contains no sums to merge (no '{}'): render it with --mergeable", attribute));
         const std::string value = std::move(found->second);
         attributes.erase(found);
         return value;
     };
     if (const std::string written = take(version_attribute); written != version)
         throw Error(file.name, version_attribute,
-                    fmt::format("its sums are of version {}, this program reads version {}", written, version));
+                    fmt::format("its sums have version {}, this program reads version {}", written, version));
     key = with_file_name(file.name, key_attribute, [&] { return FilmKey::parse(take(key_attribute)); });
     samples = with_file_name(file.name, samples_attribute, [&] { return parse_samples(take(samples_attribute)); });
     dropped = with_file_name(file.name, dropped_attribute, [&] { return parse_number(take(dropped_attribute)); });
@@ -201,9 +201,9 @@ void FilmFile::Data::read_channels(const Imf::Header& header)
     for (auto c = header.channels().begin(); c != header.channels().end(); ++c) {
         const std::string name = c.name();
         if (c.channel().xSampling != 1 || c.channel().ySampling != 1)
-            throw Error(file.name, name, "channels of a film file have a value for each pixel");
+            throw Error(file.name, name, "channels of a film file must have one value per pixel");
         if (found < words && name == sums_channel(found)) {
-            if (c.channel().type != Imf::UINT) throw Error(file.name, name, "sums are integers");
+            if (c.channel().type != Imf::UINT) throw Error(file.name, name, "sums must be integers");
             if (found++ == 0) sums = place;
         } else {
             if (found > 0 && found < words) break;
@@ -282,7 +282,7 @@ void FilmFile::add_to(Film& film) const
         add_line(b.line.data() + from.sums, packing, to, y, b.packed, b.pixels);
     });
     if (file_checksum(from.start, checksums) != from.checksum)
-        throw Error(from.file.name, "", "the file is damaged: what it holds does not have its checksum");
+        throw Error(from.file.name, "", "the file is damaged: its checksum does not match");
 }
 
 Film FilmFile::read() const

@@ -13,7 +13,7 @@
 
 namespace fathom {
 
-static_assert(std::endian::native == std::endian::little, "numbers are packed as they lie in memory");
+static_assert(std::endian::native == std::endian::little, "numbers are packed in memory order");
 
 namespace {
 
@@ -204,12 +204,13 @@ Packing::Packing(const FilmLayout& layout, const std::string& text)
         int value = -1;
         const auto [next, error] = std::from_chars(at, end, value);
         if (error != std::errc() || value < 0 || value > most)
-            throw Error("", "", "its sums are packed in no way that this version knows");
+            throw Error("", "", "its sums are packed in a way that this version does not support");
         at = next;
         return value;
     };
     const auto expect = [&](char separator) {
-        if (at == end || *at != separator) throw Error("", "", "its sums are packed in no way that this version knows");
+        if (at == end || *at != separator)
+            throw Error("", "", "its sums are packed in a way that this version does not support");
         ++at;
     };
     for (PackedNumber& number : numbers_) {
@@ -218,7 +219,7 @@ Packing::Packing(const FilmLayout& layout, const std::string& text)
         expect('+');
         number.bytes = take(4 * number.words - number.first);
     }
-    if (at != end) throw Error("", "", "its sums are packed in no way that this version knows");
+    if (at != end) throw Error("", "", "its sums are packed in a way that this version does not support");
     count_words();
 }
 

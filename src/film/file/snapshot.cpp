@@ -29,7 +29,7 @@ public:
 
     void write(const char from[], int size) override { bytes.insert(bytes.end(), from, from + size); }
     std::uint64_t tellp() override { return bytes.size(); }
-    void seekp(std::uint64_t) override { throw Error("", "", "headers are written in one go"); }
+    void seekp(std::uint64_t) override { throw Error("", "", "headers are written sequentially"); }
 
     std::vector<unsigned char> bytes;
 };
@@ -177,12 +177,12 @@ void FilmSnapshot::take(const Film& film, const Image& picture, const WriteOptio
 {
     const Film::Data& data = film.data();
     if (picture.width != data.width || picture.height != data.height)
-        throw Error("", "", "the picture is not of the film's size");
+        throw Error("", "", "the image does not have the film's size");
     const Packing packing(data);
     ExrChannels channels(picture, options);
     for (const ExrChannels::Channel& channel : channels.channels)
         if (channel.name.rfind("sums.", 0) == 0)
-            throw Error("", channel.name, "a layer of the picture has the name of the film's sums");
+            throw Error("", channel.name, "a layer of the image has a name that is reserved for the film's sums");
     channels.header.compression() = Imf::NO_COMPRESSION;
     add_attributes(channels.header, data, packing);
     for (int word = 0; word < packing.words(); ++word)

@@ -74,9 +74,8 @@ public:
         add_all<CurvesInstance>(rest, instanced, all);
         add_all<PointsInstance>(rest, instanced, all);
         if (degenerate_ > 0)
-            c_.warnings.add(
-                fmt::format("{}: degenerate triangles, which have no area and are never seen", c_.scene.file),
-                degenerate_);
+            c_.warnings.add(fmt::format("{}: degenerate triangles, which have no area and are ignored", c_.scene.file),
+                            degenerate_);
         if (opaque_ > 0) c_.warnings.add(fmt::format(alpha_unsupported, c_.scene.file), opaque_);
         fill_missing_attributes();
         contents_.shapes_end = t_.shapes.size();
@@ -243,7 +242,7 @@ private:
     void take_primitives(std::size_t count)
     {
         if (t_.shape_of_primitive.size() + count > 0x7fffffffu)
-            throw Error(c_.scene.file, "", "more than 2^31 primitives");
+            throw Error(c_.scene.file, "", "the scene has more than 2^31 primitives");
         t_.shape_of_primitive.insert(t_.shape_of_primitive.end(), count, std::uint32_t(t_.shapes.size() - 1));
     }
 
@@ -252,7 +251,8 @@ private:
         const bool mirrored = transform.determinant() < 0;
         ShapeRecord& shape = add_shape(p, t_.triangle_count(), mirrored);
         const std::size_t base = t_.positions.size();
-        if (base + mesh.positions.size() > 0x7fffffffu) throw Error(c_.scene.file, "", "more than 2^31 vertices");
+        if (base + mesh.positions.size() > 0x7fffffffu)
+            throw Error(c_.scene.file, "", "the scene has more than 2^31 vertices");
         // Normals transform by the inverse transpose; they are normalized, so its scale does not matter.
         const Transform inverse = transform.inverse();
         const auto add_vertices = [&](const std::vector<Vec3f>& positions, const std::vector<Vec3f>& normals) {
@@ -407,9 +407,10 @@ private:
         take_primitives(fathom::add_curves(t_, curves, p.render_from_node, factor, moves));
         if (moves) shape.moving_vertices = std::uint32_t((t_.curve_points.size() - points) / t_.vertex_times.size());
         if (t_.curves.size() > CurveRecord::max_segments)
-            throw Error(c_.scene.file, "", "more than 2^27 segments of curves");
+            throw Error(c_.scene.file, "", "the scene has more than 2^27 curve segments");
         if (t_.curve_points.size() > CurveRecord::max_points)
-            throw Error(c_.scene.file, "", "more than 2^29 control points of curves; motion has them once a key");
+            throw Error(c_.scene.file, "",
+                        "the scene has more than 2^29 control points of curves, counted once per motion key");
     }
     void add_points(const FlattenedShape& p, const Points& points)
     {

@@ -31,7 +31,7 @@ public:
         t_.moving = contents_.moving || !t_.poses.empty();
         const std::string& file = c_.scene.file;
         if (vanished_ > 0)
-            c_.warnings.add(fmt::format("{}: shapes that are scaled to next to nothing are left out", file), vanished_);
+            c_.warnings.add(fmt::format("{}: shapes that are scaled to almost zero size are ignored", file), vanished_);
         if (opaque_ > 0) c_.warnings.add(fmt::format(alpha_unsupported, file), opaque_);
     }
 

@@ -78,9 +78,10 @@ void Instancing::find_vertex_times()
     times.erase(std::unique(times.begin(), times.end()), times.end());
     constexpr std::size_t most = 64;
     if (times.size() > most)
-        throw Error(c_.scene.file, "",
-                    fmt::format("meshes and curves have keys at {} times while the shutter is open; {} can be",
-                                times.size(), most));
+        throw Error(
+            c_.scene.file, "",
+            fmt::format("meshes and curves have keys at {} times while the shutter is open; at most {} are supported",
+                        times.size(), most));
     vertex_times_ = times;
 }
 

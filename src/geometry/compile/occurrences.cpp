@@ -23,8 +23,9 @@ public:
     {
         for (int root : c_.scene.roots) flatten_node(root, c_.space.from_world(), 0, false);
         if (still_things_ > 0)
-            c_.warnings.add(c_.scene.file + ": directional lights and cameras of nodes that move: they stand still",
-                            still_things_);
+            c_.warnings.add(
+                c_.scene.file + ": motion of directional lights and cameras is not supported and is ignored",
+                still_things_);
         return std::move(occurrences_);
     }
 

@@ -105,8 +105,7 @@ std::vector<PoseRecord> pose_tables(const std::vector<NodeKey>& poses)
 std::uint32_t append_poses(GeometryTables& tables, const std::vector<PoseRecord>& poses, const std::string& file)
 {
     if (poses.size() > InstanceRecord::max_poses || tables.poses.size() > InstanceRecord::max_first_pose)
-        throw Error(file, "",
-                    "motion of nodes is too complicated: more keys while the shutter is open than can be held");
+        throw Error(file, "", "the motion of nodes is too complex: it has too many keys while the shutter is open");
     const std::uint32_t word = std::uint32_t(tables.poses.size()) << 8 | std::uint32_t(poses.size());
     tables.poses.insert(tables.poses.end(), poses.begin(), poses.end());
     return word;

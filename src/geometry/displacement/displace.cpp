@@ -52,15 +52,15 @@ void check_size(const Mesh& mesh, Subdivision::Size size, const std::string& fil
     constexpr double most = 1 << 30;
     if (size.triangles > most)
         throw Error(file, name,
-                    fmt::format("displacement asks for {:.0f} million triangles; up to {:.0f} million can be: give a "
-                                "greater displacement_edge_length",
+                    fmt::format("displacement needs {:.0f} million triangles; up to {:.0f} million are supported: use "
+                                "a larger displacement_edge_length",
                                 size.triangles / 1e6, most / 1e6));
     // The estimate covers positions and normals before and after, heights, directions, and the resulting mesh.
     const double bytes = size.triangles * 12 + size.vertices * (24.0 * double(2 + mesh.motion.size()) + 64);
     if (bytes > double(available_memory_bytes()))
         throw Error(file, name,
-                    fmt::format("displacement makes {:.1f} million triangles, which need {:.1f} GB of memory, {}: give "
-                                "a greater displacement_edge_length",
+                    fmt::format("displacement makes {:.1f} million triangles, which need {:.1f} GB of memory, {}: use "
+                                "a larger displacement_edge_length",
                                 size.triangles / 1e6, bytes / 1e9, available_memory_text()));
 }
 

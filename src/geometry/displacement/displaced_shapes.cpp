@@ -173,12 +173,13 @@ void DisplacedShapes::add(const SceneDescription& scene, const SceneTables& tabl
     const std::size_t triangles = displaced.mesh.indices.size() / 3;
     if (displaced.wanted_triangles > double(triangles))
         warnings.add(
-            fmt::format("{}: {}: displacement as fine as its texture would make {:.1f} million triangles; it "
-                        "gets {:.1f} million (displacement_edge_length: as fine as you like)",
+            fmt::format("{}: {}: displacement at the resolution of its texture would make {:.1f} million triangles; it "
+                        "is limited to {:.1f} million (displacement_edge_length sets the resolution)",
                         scene.file, name, displaced.wanted_triangles / 1e6, double(triangles) / 1e6));
     if (heights.not_finite > 0)
-        warnings.add(fmt::format("{}: {}: heights that are not finite, which are taken for none", scene.file, name),
-                     heights.not_finite);
+        warnings.add(
+            fmt::format("{}: {}: displacement heights that are not finite are replaced by 0", scene.file, name),
+            heights.not_finite);
     place->second.bounds = bounds_of(displaced.mesh);
     place->second.mesh = std::move(displaced.mesh);
 }

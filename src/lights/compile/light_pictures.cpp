@@ -26,7 +26,7 @@ constexpr double largest_tangent = 1e4;
 std::uint32_t add_texels(Compiler& c, std::size_t texels, const std::string& name)
 {
     const std::size_t first = c.tables.picture_texels.size() / 4;
-    if (texels > max_texels - first) throw Error(name, "", "the pictures of lights have more than 2^29 pixels in all");
+    if (texels > max_texels - first) throw Error(name, "", "the images of lights have more than 2^29 pixels in all");
     c.tables.picture_texels.resize(4 * (first + texels));
     return std::uint32_t(first);
 }
@@ -246,10 +246,10 @@ PicturedIntensity add_light_picture(Compiler& c, const Light& light)
     const LightImages::Image& image = c.light_images.by_use.at({light.picture.image, light.picture.color_space});
     const bool is_goniometric = light.kind == LightKind::goniometric;
     if (image.is_profile && !is_goniometric)
-        throw Error(name_of(c.scene, light.picture.image), "", "an IES file is for goniometric lights");
+        throw Error(name_of(c.scene, light.picture.image), "", "IES files are supported for goniometric lights only");
     if (is_goniometric && !image.is_profile && image.width != image.height)
         throw Error(name_of(c.scene, light.picture.image), "",
-                    fmt::format("the picture of a goniometric light is a square: this one has {} by {} pixels",
+                    fmt::format("the image of a goniometric light must be square: this one has {} by {} pixels",
                                 image.width, image.height));
     PicturedIntensity result;
     result.picture = std::uint32_t(c.tables.light_pictures.size());

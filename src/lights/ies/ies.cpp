@@ -39,13 +39,13 @@ public:
         const double type = next("photometric type");
         if (type == 2 || type == 3)
             fail(fmt::format("is of type {} photometry; only type C is read", type == 2 ? 'B' : 'A'));
-        if (type != 1) fail(fmt::format("the photometric type {} is none of 1, 2, 3", type));
+        if (type != 1) fail(fmt::format("the photometric type {} is not one of 1, 2, 3", type));
         for (const char* what : {"unit", "width", "length", "height"}) next(what);
         factor *= positive("ballast factor");
         const double photometric = next("ballast-lamp photometric factor");
         if (has_photometric_factor_ && photometric > 0) factor *= photometric;
         next("input watts");
-        if (polar < 2) fail("it has less than two vertical angles");
+        if (polar < 2) fail("it has fewer than two vertical angles");
         check_room(polar, azimuth);
         IesProfile profile;
         read_angles("vertical", polar, 180, profile.polar_deg);
@@ -55,7 +55,7 @@ public:
             const double value = next("candela value");
             if (!(value >= 0)) fail(fmt::format("the candela value {} of {} is negative", i + 1, polar * azimuth));
             if (!(value * factor <= largest_candela))
-                fail(fmt::format("the candela value {} of {} is {:g}, which is too much", i + 1, polar * azimuth,
+                fail(fmt::format("the candela value {} of {} is {:g}, which is too large", i + 1, polar * azimuth,
                                  value * factor));
             profile.candela.push_back(value * factor);
         }
@@ -90,7 +90,7 @@ private:
             for (std::size_t i = 0; i < 2 * pairs; ++i) next("tilt");
             return;
         }
-        fail("there is no line that begins with TILT=: it is no photometric file");
+        fail("no line begins with TILT=: it is not a photometric file");
     }
 
     double next(const char* what)
@@ -105,7 +105,7 @@ private:
         double value = 0;
         const auto result = std::from_chars(word.data(), word.data() + word.size(), value);
         if (result.ec != std::errc() || result.ptr != word.data() + word.size() || !std::isfinite(value))
-            fail(fmt::format("its {} is no number", what));
+            fail(fmt::format("its {} is not a number", what));
         return value;
     }
 
@@ -128,7 +128,8 @@ private:
     void check_room(std::size_t columns, std::size_t rows) const
     {
         if (double(columns) * double(rows) > double(text_.size() - at_))
-            fail(fmt::format("it says it has {} by {} values, but ends after {} bytes", columns, rows, text_.size()));
+            fail(fmt::format("its header says {} by {} values, but it ends after {} bytes", columns, rows,
+                             text_.size()));
     }
 
     void read_angles(const char* what, std::size_t size, double most, std::vector<double>& angles)
@@ -138,7 +139,7 @@ private:
             if (!(angle >= 0 && angle <= most))
                 fail(fmt::format("the {} angle {} is not within 0 and {} degrees", what, angle, most));
             if (!angles.empty() && angle <= angles.back())
-                fail(fmt::format("the {} angle {} follows {}: they must ascend", what, angle, angles.back()));
+                fail(fmt::format("the {} angle {} follows {}: they must increase", what, angle, angles.back()));
             angles.push_back(angle);
         }
     }
@@ -208,7 +209,7 @@ IesProfile read_ies(const std::filesystem::path& file)
     std::error_code error;
     if (!std::filesystem::is_regular_file(file, error)) throw Error(file.string(), "", "there is no such file");
     if (std::filesystem::file_size(file, error) > largest_file)
-        throw Error(file.string(), "", "IES: it is larger than any photometric file");
+        throw Error(file.string(), "", "IES: it is too large for a photometric file");
     std::ifstream in(file, std::ios::binary);
     const std::string text{std::istreambuf_iterator<char>(in), {}};
     if (!in && text.empty()) throw Error(file.string(), "", "can't be read");

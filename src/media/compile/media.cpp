@@ -21,7 +21,7 @@ std::uint32_t number_of(Compiler& c, MediumRecord medium, const Material& m)
     std::vector<MediumRecord>& media = c.tables.media;
     const auto known = std::find(media.begin() + 1, media.end(), medium);
     if (known == media.end() && media.size() == MediaTables::max_media)
-        throw Error(c.scene.file, "", fmt::format("more than {} different kinds of glass", media.size() - 1));
+        throw Error(c.scene.file, "", fmt::format("the scene has more than {} different media", media.size() - 1));
     const auto number = std::uint32_t(known - media.begin());
     if (known == media.end()) media.push_back(medium);
     return number;

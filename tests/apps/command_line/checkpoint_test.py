@@ -117,7 +117,7 @@ class Checkpoints(CommandLine):
         refused("--samples", "2:9", words=["c.exr: ", "0:4", "2:9"])
         self.assertEqual(self.read("c.exr"), before)
         self.scene("no-film.exr", "no film at all")
-        self.refused(1, *self.render("--checkpoint", "no-film.exr", "-o", "b.png", "-q", "--spp", "1"), words=["no-film.exr: this is no film file"])
+        self.refused(1, *self.render("--checkpoint", "no-film.exr", "-o", "b.png", "-q", "--spp", "1"), words=["no-film.exr: this is not a film file"])
         self.assertEqual(self.read("no-film.exr"), b"no film at all")
         for wrong in (["--every", "3"], ["--checkpoint", "c.png"], ["--checkpoint", "c.exr", "--frames", "0:2"],
                       ["--checkpoint", "c.exr", "-o", "c.exr"], ["--part", "3/2"], ["--part", "0/2"], ["--part", "2"],

@@ -39,7 +39,7 @@ class Files(CommandLine):
         limit = os.pathconf(self.folder, "PC_NAME_MAX")
         longest = "x" * (limit - 4)
         before = sorted(os.listdir(self.folder))
-        long_name = ["can't write: the name has ", f" bytes, and this folder takes {limit}"]
+        long_name = ["can't write: the name has ", f" bytes, and this folder allows {limit}"]
         self.refused(1, "render", "box.json", "-o", longest + "x.exr", words=long_name)
         self.refused(1, "render", "box.json", "-o", "a.png", "-o", "x" * 300 + ".exr", words=long_name)
         self.refused(1, "render", "box.json", "--checkpoint", longest + "x.exr", words=long_name)
@@ -49,7 +49,7 @@ class Files(CommandLine):
         self.refused(1, "render", "box.json", "--turntable", "11", "-o", "x" * (limit - 5) + "#.exr", words=long_name)
         folder = "/".join(["y" * 200] * 20)
         self.refused(1, "render", "box.json", "-o", folder + "/a.exr", words=["can't write"])
-        self.refused(1, "render", "box.json", "-o", "/" + "y/" * 2040 + "a" * 30 + ".exr", words=["with its folder the name has 4115 bytes"])
+        self.refused(1, "render", "box.json", "-o", "/" + "y/" * 2040 + "a" * 30 + ".exr", words=["the path has 4115 bytes"])
         self.assertEqual(sorted(os.listdir(self.folder)), before)
         self.ok("render", "box.json", "-q", "--spp", "1", "-o", longest + ".png", "--checkpoint", "x" * (limit - 13) + ".exr")
         self.assertIn(longest + ".png", os.listdir(self.folder))

@@ -28,7 +28,7 @@ class Limits(CommandLine):
 
     def test_what_is_too_large_is_refused_by_name(self):
         self.refused(1, "render", "box.json", "--size", "8192x8192", "--memory", "8G", "-o", "a.exr",
-                     words=["box.json: needs some ", "film of 8192x8192 5.6", "--memory allows 8 GB"])
+                     words=["box.json: needs about ", "film of 8192x8192 5.6", "--memory allows 8 GB"])
         self.scene("rich.json", "camera main texture a texture b")
         self.refused(1, "render", "rich.json", "--size", "64x64", "--memory", "512M", "-o", "a.png",
                      words=["(textures 600", "--memory allows 512 MB"])
@@ -37,7 +37,7 @@ class Limits(CommandLine):
     def test_each_use_of_a_film_counts(self):
         def needed(*options):
             message = self.refused(1, "render", "box.json", "--size", "4096x4096", "--memory", "1M", *options).stderr
-            return float(re.search(r"needs some ([\d.]+) GB", message)[1])
+            return float(re.search(r"needs about ([\d.]+) GB", message)[1])
         plain = needed("-o", "a.exr")
         for more, options in ((1.4, ["--mergeable"]), (1.4, ["--checkpoint", "c.exr"]), (2.8, ["--mergeable", "--checkpoint", "c.exr"]),
                               (0.5, ["--aov", "albedo"]), (0.2, ["--aov", "variance"]), (0.4, ["-o", "a.webp"])):
@@ -45,7 +45,7 @@ class Limits(CommandLine):
 
     def test_other_commands_keep_it_too(self):
         self.ok("render", "box.json", "--size", "64x48", "--spp", "4", "--mergeable", "-o", "a.exr")
-        self.refused(1, "merge", "a.exr", "-o", "b.exr", "--memory", "1M", words=["a.exr: needs some", "--memory allows 1 MB"])
+        self.refused(1, "merge", "a.exr", "-o", "b.exr", "--memory", "1M", words=["a.exr: needs about", "--memory allows 1 MB"])
         self.ok("merge", "a.exr", "-o", "b.exr", "--memory", "1G")
         self.refused(1, "info", "a.exr", "--memory", "1K", words=["its film needs", "--memory allows"])
         self.ok("info", "box.json", "--memory", "1G")
@@ -64,7 +64,7 @@ class Limits(CommandLine):
         self.scene("ball.json", BALL)
         words = ["render", "ball.json", "--size", "1000x1000", "--spp", "2", "-o", "a.exr", "-o", "a.png", "--checkpoint", "c.exr"]
         message = self.run_program(*words, "--memory", "20M", program=PROGRAM).stderr
-        needed = int(re.search(r"needs some (\d+) MB", message)[1]) + 3  # libraries take a MB more or less from run to run
+        needed = int(re.search(r"needs about (\d+) MB", message)[1]) + 3  # libraries take a MB more or less from run to run
         self.refused(1, *words, "--memory", f"{needed - 20}M", program=PROGRAM)
         result = self.run_program(*words, "--memory", f"{needed}M", "--progress", "json", program=PROGRAM)
         self.assertEqual(result.returncode, 0, result.stderr)

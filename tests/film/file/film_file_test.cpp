@@ -206,13 +206,14 @@ TEST(FilmFile, TellsWhatIsNone)
     const TemporaryFolder folder;
     const fs::path file = folder.path() / "a.exr";
     EXPECT_NE(message_of([&] { FilmFile f(file); }).find("No such file"), std::string::npos);
-    EXPECT_NE(message_of([&] { FilmFile f(folder.path()); }).find("this is no file"), std::string::npos);
+    EXPECT_NE(message_of([&] { FilmFile f(folder.path()); }).find("this is not a file"), std::string::npos);
     ASSERT_EQ(mkfifo((folder.path() / "pipe").c_str(), 0600), 0);
-    EXPECT_NE(message_of([&] { FilmFile f(folder.path() / "pipe"); }).find("this is no file"), std::string::npos);
+    EXPECT_NE(message_of([&] { FilmFile f(folder.path() / "pipe"); }).find("this is not a file"), std::string::npos);
     write_image(file, test::made_image(4, 4), {});
     EXPECT_NE(message_of([&] { FilmFile f(file); }).find("--mergeable"), std::string::npos);
     write_image(folder.path() / "a.png", test::made_image(4, 4), {});
-    EXPECT_NE(message_of([&] { FilmFile f(folder.path() / "a.png"); }).find("those are EXR"), std::string::npos);
+    EXPECT_NE(message_of([&] { FilmFile f(folder.path() / "a.png"); }).find("film files are OpenEXR"),
+              std::string::npos);
     EXPECT_THROW(write_film(file, some_film(0, 1), test::made_image(4, 4), {}), Error);
 }
 

@@ -80,15 +80,14 @@ TEST(Ies, HeadsOfAllYears)
 
 TEST(Ies, DamageIsNamed)
 {
-    EXPECT_EQ(error_of(""), "IES: there is no line that begins with TILT=: it is no photometric file");
-    EXPECT_EQ(error_of("IESNA:LM-63-2002\n1 2 3\n"),
-              "IES: there is no line that begins with TILT=: it is no photometric file");
+    EXPECT_EQ(error_of(""), "IES: no line begins with TILT=: it is not a photometric file");
+    EXPECT_EQ(error_of("IESNA:LM-63-2002\n1 2 3\n"), "IES: no line begins with TILT=: it is not a photometric file");
     EXPECT_EQ(error_of(file_of("")), "IES: it ends where its number of lamps should be");
     EXPECT_EQ(error_of(file_of("1 1 1 2 1 1 1 0 0 0 1 1 1 0 90 0 5")),
               "IES: it ends where its candela value should be");
     EXPECT_EQ(error_of(file_of("1 1 1 2 1 1 1 0 0 0 1 1 1 0 90 0 5 -3")), "IES: the candela value 2 of 2 is negative");
     EXPECT_EQ(error_of(file_of("1 1 1e300 2 1 1 1 0 0 0 1 1 1 0 90 0 5 3e20")),
-              "IES: the candela value 1 of 2 is 5e+300, which is too much");
+              "IES: the candela value 1 of 2 is 5e+300, which is too large");
     EXPECT_EQ(error_of(file_of("1 1 -1 2 1 1 1 0 0 0 1 1 1 0 90 0 5 3")),
               "IES: its candela multiplier is -1; it must be above 0");
     EXPECT_EQ(error_of(file_of("1 1 1 -2 1 1 1 0 0 0 1 1 1 0 90 0 5 3")),
@@ -96,16 +95,16 @@ TEST(Ies, DamageIsNamed)
     EXPECT_EQ(error_of(file_of("1 1 1 2.5 1 1 1 0 0 0 1 1 1 0 90 0 5 3")),
               "IES: its number of vertical angles is 2.5; it must be a whole number above 0");
     EXPECT_EQ(error_of(file_of("1 1 1 900000000 900000000 1 1 0 0 0 1 1 1 0 90 0 5 3")),
-              "IES: it says it has 900000000 by 900000000 values, but ends after 88 bytes");
-    EXPECT_EQ(error_of(file_of("1 1 1 1 1 1 1 0 0 0 1 1 1 0 0 5")), "IES: it has less than two vertical angles");
+              "IES: its header says 900000000 by 900000000 values, but it ends after 88 bytes");
+    EXPECT_EQ(error_of(file_of("1 1 1 1 1 1 1 0 0 0 1 1 1 0 0 5")), "IES: it has fewer than two vertical angles");
     EXPECT_EQ(error_of(file_of("1 1 1 2 1 2 1 0 0 0 1 1 1 0 90 0 5 3")),
               "IES: is of type B photometry; only type C is read");
     EXPECT_EQ(error_of(file_of("1 1 1 2 1 1 1 0 0 0 1 1 1 90 0 0 5 3")),
-              "IES: the vertical angle 0 follows 90: they must ascend");
+              "IES: the vertical angle 0 follows 90: they must increase");
     EXPECT_EQ(error_of(file_of("1 1 1 2 1 1 1 0 0 0 1 1 1 0 190 0 5 3")),
               "IES: the vertical angle 190 is not within 0 and 180 degrees");
-    EXPECT_EQ(error_of(file_of("1 1 1 2 1 1 1 0 0 0 1 1 1 0 nan 0 5 3")), "IES: its vertical angles is no number");
-    EXPECT_EQ(error_of(file_of("1 1 1 2 1 1 1 0 0 0 1 1 x 0 90 0 5 3")), "IES: its input watts is no number");
+    EXPECT_EQ(error_of(file_of("1 1 1 2 1 1 1 0 0 0 1 1 1 0 nan 0 5 3")), "IES: its vertical angles is not a number");
+    EXPECT_EQ(error_of(file_of("1 1 1 2 1 1 1 0 0 0 1 1 x 0 90 0 5 3")), "IES: its input watts is not a number");
 }
 
 TEST(Ies, Files)
