@@ -183,11 +183,7 @@ build_preset() {
         fail "$PWD/$folder belongs to another user; remove it, or run this command as that user"
     fi
     check_ccache
-    # Lets ccache hit for other clones of the same files.
-    export CCACHE_BASEDIR=$PWD
     jobs=${FATHOM_JOBS:-$(build_jobs)}
-    # ccache can't know that precompiled headers are made of the headers that it hashes; see cmake/precompile.cmake.
-    export CCACHE_SLOPPINESS=pch_defines,time_macros
     if [ ! -f "$folder/build.ninja" ] || [ CMakePresets.json -nt "$folder/build.ninja" ] ||
         { [ "$preset" = test ] && ! grep -q '^FATHOM_TESTS:BOOL=ON' "$folder/CMakeCache.txt"; }; then
         say "configuring $folder"
