@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "formats/common/units.h"
 #include "formats/io/read_file.h"
 #include "formats/mitsuba/reader.h"
 #include "formats/mitsuba/sun_of_date.h"
@@ -14,8 +15,6 @@
 namespace fathom::mitsuba {
 
 namespace {
-
-constexpr double degree = std::numbers::pi / 180;
 
 Color scaled(Color c, double factor)
 {
@@ -125,8 +124,8 @@ void Reader::read_emitter(const Element& element)
         light.kind = LightKind::spot;
         light.intensity = plain_color(emitter, "intensity", {1, 1, 1});
         const double cutoff = emitter.number("cutoff_angle", 20);
-        light.outer_angle = cutoff * degree;
-        light.inner_angle = emitter.number("beam_width", cutoff * 3 / 4) * degree;
+        light.outer_angle = cutoff * radians_per_degree;
+        light.inner_angle = emitter.number("beam_width", cutoff * 3 / 4) * radians_per_degree;
         light.falloff = SpotFalloff::linear;
         // Mitsuba's spot texture has its right at +x and its bottom at +y: rotated by half a turn relative to a
         // projector.
@@ -216,7 +215,7 @@ void Reader::read_sky(Object& emitter)
     // An explicit sun direction is in world space, independent of the sky's transform.
     const Vec3d to_sun = normalize(said ? world.inverse().vector(*said) : of_date);
     const double turbidity = std::clamp(emitter.number("turbidity", 3), 1.0, 10.0),
-                 elevation_deg = std::asin(std::clamp(to_sun.z, 0.0, 1.0)) / degree;
+                 elevation_deg = std::asin(std::clamp(to_sun.z, 0.0, 1.0)) / radians_per_degree;
     if (emitter.type() != "sun") {
         Environment& environment = scene_.environment;
         environment.kind = EnvironmentKind::hosek_wilkie;
@@ -230,7 +229,7 @@ void Reader::read_sky(Object& emitter)
         Light light;
         light.name = "sun";
         light.kind = LightKind::directional;
-        light.angle = emitter.number("sun_aperture", 0.5358) * degree;
+        light.angle = emitter.number("sun_aperture", 0.5358) * radians_per_degree;
         light.intensity = scaled(sun_at(turbidity, elevation_deg), emitter.number("sun_scale", 1));
         add_light(light, towards(world.vector(-to_sun)));
     }

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "formats/common/units.h"
 #include "formats/io/read_file.h"
 #include "formats/mitsuba/mitsuba.h"
 #include "formats/mitsuba/reader.h"
@@ -15,7 +16,6 @@ namespace mitsuba {
 
 namespace {
 
-constexpr double degree = std::numbers::pi / 180;
 }  // namespace
 
 void Reader::report(const Element& element, const std::string& message)
@@ -170,11 +170,11 @@ Reader::FieldOfView Reader::field_of_view(Object& object)
         const double fov = object.number("fov", 0);
         if (!(fov > 0 && fov < 180)) object.element().fail("'fov' must be above 0 and below 180 degrees");
         const std::string axis = object.text("fov_axis", "x");
-        return {fov * degree, axis == "y"          ? FovAxis::height
-                              : axis == "diagonal" ? FovAxis::diagonal
-                              : axis == "smaller"  ? FovAxis::smaller
-                              : axis == "larger"   ? FovAxis::larger
-                                                   : FovAxis::width};
+        return {fov * radians_per_degree, axis == "y"          ? FovAxis::height
+                                          : axis == "diagonal" ? FovAxis::diagonal
+                                          : axis == "smaller"  ? FovAxis::smaller
+                                          : axis == "larger"   ? FovAxis::larger
+                                                               : FovAxis::width};
     }
     // Focal lengths refer to the diagonal of a 36 by 24 mm image.
     std::string text = object.text("focal_length", "50mm");

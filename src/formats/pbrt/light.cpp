@@ -6,14 +6,13 @@
 #include <cmath>
 #include <numbers>
 
+#include "formats/common/units.h"
 #include "formats/io/read_file.h"
 #include "formats/pbrt/reader.h"
 
 namespace fathom::pbrt {
 
 namespace {
-
-constexpr double degree = std::numbers::pi / 180;
 
 Color scaled(Color c, double factor)
 {
@@ -83,9 +82,9 @@ void Reader::read_light(const Parameters& of)
         light.kind = LightKind::spot;
         light.intensity = light_color(of, "I");
         const double cone = of.number("coneangle", 30);
-        light.outer_angle = cone * degree;
+        light.outer_angle = cone * radians_per_degree;
         light.falloff = SpotFalloff::smooth;
-        light.inner_angle = std::max(0.0, cone - of.number("conedeltaangle", 5)) * degree;
+        light.inner_angle = std::max(0.0, cone - of.number("conedeltaangle", 5)) * radians_per_degree;
         if (!(cone > 0 && cone < 180)) of.fail("the cone's angle must be above 0 and below 180 degrees");
         const double inner = std::cos(light.inner_angle), outer = std::cos(light.outer_angle);
         if (power > 0)
@@ -128,7 +127,7 @@ void Reader::read_projection(const Parameters& of)
     set_power(of, light);
     const double fov = of.number("fov", 90);
     if (!(fov > 0 && fov < 180)) of.fail("'fov' must be above 0 and below 180 degrees");
-    light.fov = fov * degree;
+    light.fov = fov * radians_per_degree;
     add_light_node(light, state_.ctm[0] * Transform::scale({1, 1, -1}));
 }
 

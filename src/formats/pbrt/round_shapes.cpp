@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "formats/common/units.h"
 #include "formats/mesh/surface_of_revolution.h"
 #include "formats/pbrt/reader.h"
 
@@ -13,11 +14,9 @@ namespace fathom::pbrt {
 
 namespace {
 
-constexpr double degree = std::numbers::pi / 180;
-
 double phi_max_of(const Parameters& shape)
 {
-    return std::clamp(shape.number("phimax", 360), 0.0, 360.0) * degree;
+    return std::clamp(shape.number("phimax", 360), 0.0, 360.0) * radians_per_degree;
 }
 
 int sides_of(double phi_max)
