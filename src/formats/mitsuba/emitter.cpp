@@ -6,6 +6,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "formats/common/lights.h"
+#include "formats/common/units.h"
 #include "formats/io/read_file.h"
 #include "formats/mitsuba/reader.h"
 #include "formats/mitsuba/sun_of_date.h"
@@ -14,14 +16,6 @@
 namespace fathom::mitsuba {
 
 namespace {
-
-constexpr double degree = std::numbers::pi / 180;
-
-Color scaled(Color c, double factor)
-{
-    const auto f = float(factor);
-    return {c.r * f, c.g * f, c.b * f};
-}
 
 /// Maps directions of Fathom's environments, whose image has +x at its center and +z to the right, to Mitsuba's, whose
 /// image has +z at its center and -x to the right.
@@ -35,17 +29,6 @@ Transform mitsuba_from_environment()
 Transform rotation_of(Transform t)
 {
     for (auto& row : t.m) row[3] = 0;
-    return t;
-}
-
-/// A rotation that maps +z to a direction.
-Transform towards(Vec3d direction)
-{
-    const Vec3d w = normalize(direction);
-    const Vec3d u = normalize(cross(std::abs(w.y) > 0.9 ? Vec3d{1, 0, 0} : Vec3d{0, 1, 0}, w)), v = cross(w, u);
-    Transform t;
-    const Vec3d columns[] = {u, v, w};
-    for (std::size_t c = 0; c < 3; ++c) t.m[0][c] = columns[c].x, t.m[1][c] = columns[c].y, t.m[2][c] = columns[c].z;
     return t;
 }
 
@@ -125,8 +108,8 @@ void Reader::read_emitter(const Element& element)
         light.kind = LightKind::spot;
         light.intensity = plain_color(emitter, "intensity", {1, 1, 1});
         const double cutoff = emitter.number("cutoff_angle", 20);
-        light.outer_angle = cutoff * degree;
-        light.inner_angle = emitter.number("beam_width", cutoff * 3 / 4) * degree;
+        light.outer_angle = cutoff * radians_per_degree;
+        light.inner_angle = emitter.number("beam_width", cutoff * 3 / 4) * radians_per_degree;
         light.falloff = SpotFalloff::linear;
         // Mitsuba's spot texture has its right at +x and its bottom at +y: rotated by half a turn relative to a
         // projector.
@@ -143,7 +126,7 @@ void Reader::read_emitter(const Element& element)
         light.kind = LightKind::directional;
         light.intensity = plain_color(emitter, "irradiance", {1, 1, 1});
         const auto direction = emitter.vector("direction");
-        add_light(light, direction ? towards(*direction) : rotation_of(emitter.transform("to_world")));
+        add_light(light, direction ? rotation_from_z(*direction) : rotation_of(emitter.transform("to_world")));
     } else {
         report(element, "is not supported and is ignored");
         return;
@@ -216,7 +199,7 @@ void Reader::read_sky(Object& emitter)
     // An explicit sun direction is in world space, independent of the sky's transform.
     const Vec3d to_sun = normalize(said ? world.inverse().vector(*said) : of_date);
     const double turbidity = std::clamp(emitter.number("turbidity", 3), 1.0, 10.0),
-                 elevation_deg = std::asin(std::clamp(to_sun.z, 0.0, 1.0)) / degree;
+                 elevation_deg = std::asin(std::clamp(to_sun.z, 0.0, 1.0)) / radians_per_degree;
     if (emitter.type() != "sun") {
         Environment& environment = scene_.environment;
         environment.kind = EnvironmentKind::hosek_wilkie;
@@ -230,9 +213,9 @@ void Reader::read_sky(Object& emitter)
         Light light;
         light.name = "sun";
         light.kind = LightKind::directional;
-        light.angle = emitter.number("sun_aperture", 0.5358) * degree;
+        light.angle = emitter.number("sun_aperture", 0.5358) * radians_per_degree;
         light.intensity = scaled(sun_at(turbidity, elevation_deg), emitter.number("sun_scale", 1));
-        add_light(light, towards(world.vector(-to_sun)));
+        add_light(light, rotation_from_z(world.vector(-to_sun)));
     }
     emitter.ignore({"turbidity", "albedo", "sun_aperture", "sun_scale", "sky_scale", "complex_sun"});
 }

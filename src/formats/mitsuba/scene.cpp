@@ -3,11 +3,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "formats/io/read_file.h"
 #include "formats/mitsuba/mitsuba.h"
 #include "formats/mitsuba/reader.h"
+#include "formats/common/units.h"
 
 namespace fathom {
 
@@ -15,7 +15,6 @@ namespace mitsuba {
 
 namespace {
 
-constexpr double degree = std::numbers::pi / 180;
 }  // namespace
 
 void Reader::report(const Element& element, const std::string& message)
@@ -170,7 +169,7 @@ Reader::FieldOfView Reader::field_of_view(Object& object)
         const double fov = object.number("fov", 0);
         if (!(fov > 0 && fov < 180)) object.element().fail("'fov' must be above 0 and below 180 degrees");
         const std::string axis = object.text("fov_axis", "x");
-        return {fov * degree, axis == "y"          ? FovAxis::height
+        return {fov * radians_per_degree, axis == "y"          ? FovAxis::height
                               : axis == "diagonal" ? FovAxis::diagonal
                               : axis == "smaller"  ? FovAxis::smaller
                               : axis == "larger"   ? FovAxis::larger

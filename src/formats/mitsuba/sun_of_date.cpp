@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "formats/mitsuba/sun_of_date.h"
+#include "formats/common/units.h"
 
 #include <cmath>
-#include <numbers>
 
 #include "fathom/sun.h"
 
@@ -21,8 +21,7 @@ SunAngles sun_of_date(const Element& sky, const std::function<double(std::string
                  seconds = 3600 * hours + 60 * number("minute", 0) + number("second", 0);
     const double latitude = number("latitude", 35.6894), longitude = number("longitude", 139.6917);
     const auto [elevation, azimuth] = sun_position(latitude, longitude, julian_day(year, month, day, seconds));
-    constexpr double degree = std::numbers::pi / 180;
-    return {elevation * degree, azimuth * degree};
+    return {elevation * radians_per_degree, azimuth * radians_per_degree};
 }
 
 }  // namespace fathom::mitsuba

@@ -172,6 +172,9 @@ private:
     // light.cpp: lights without a surface
     void read_light(const Parameters& light);
     void read_infinite(const Parameters& light);
+    void read_point(const Parameters& of);
+    void read_spot(const Parameters& of);
+    void read_distant(const Parameters& of);
     void read_goniometric(const Parameters& of);
     void read_projection(const Parameters& of);
     static void set_power(const Parameters& of, Light& light);

@@ -8,16 +8,15 @@
 
 #include "formats/mesh/surface_of_revolution.h"
 #include "formats/pbrt/reader.h"
+#include "formats/common/units.h"
 
 namespace fathom::pbrt {
 
 namespace {
 
-constexpr double degree = std::numbers::pi / 180;
-
 double phi_max_of(const Parameters& shape)
 {
-    return std::clamp(shape.number("phimax", 360), 0.0, 360.0) * degree;
+    return std::clamp(shape.number("phimax", 360), 0.0, 360.0) * radians_per_degree;
 }
 
 int sides_of(double phi_max)

@@ -9,12 +9,12 @@
 
 #include "formats/io/read_file.h"
 #include "formats/pbrt/reader.h"
+#include "formats/common/units.h"
 
 namespace fathom::pbrt {
 
 namespace {
 
-constexpr double degree = std::numbers::pi / 180;
 constexpr int max_pixels = 1 << 20;
 
 /// The part of the film plane at distance 1 that is visible, before the field of view is applied: left, right, bottom,
@@ -197,7 +197,7 @@ void Reader::read_camera(const Parameters& of)
         camera.fov_y = 2 * std::atan(film_height / 2 / 0.050);
         of.ignore({"lensfile", "aperture"});
     } else {
-        const double fov = of.number("fov", 90) * degree;
+        const double fov = of.number("fov", 90) * radians_per_degree;
         if (!(fov > 0) || !(fov < std::numbers::pi)) of.fail("'fov' must be above 0 and below 180 degrees");
         camera.fov_y = 2 * std::atan(std::tan(fov / 2) * half_height);
         if (type != "perspective") {
