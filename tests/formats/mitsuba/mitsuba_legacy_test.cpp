@@ -128,7 +128,7 @@ TEST_F(OldMitsuba, PhongAndWardAreTwoMaterials)
     expect_color(gloss.coat_color.value, 1, 0.5, 0);
     EXPECT_NEAR(std::pow(gloss.roughness.value, 4), 2.0 / 82, 1e-6);
     EXPECT_TRUE(body.one_sided && gloss.one_sided);
-    EXPECT_TRUE(is_told("is approximated by a mix of a diffuse material and rough metal"));
+    EXPECT_TRUE(has_warning("is approximated by a mix of a diffuse material and rough metal"));
     const Material ward = old_bsdf(R"(<bsdf type="ward"><spectrum name="diffuseReflectance" value="0"/>
 <rgb name="specularReflectance" value="0.6 0.4 0.3"/><float name="alpha" value="0.25"/></bsdf>)");
     EXPECT_EQ(ward.kind, MaterialKind::principled) << "nothing of it is diffuse";
@@ -165,7 +165,7 @@ TEST_F(OldMitsuba, OtherBsdfs)
     const Material coated =
         old_bsdf(R"(<bsdf type="coating"><float name="intIOR" value="1.7"/>)" + diffuse("0.7") + "</bsdf>");
     expect_color(coated.base_color.value, 0.7, 0, 0);
-    EXPECT_TRUE(is_told("is not supported: its nested bsdf is used"));
+    EXPECT_TRUE(has_warning("is not supported: its nested bsdf is used"));
 }
 
 }  // namespace

@@ -62,7 +62,7 @@ TEST_F(Mitsuba, DirectionalArea)
     expect_near(place_of(0).point({1, 1, 0}), {5, 3, -2});
     expect_near(place_of(1).vector({0, 0, -1}), {0, 0, -1});
     expect_color(material_of(scene).emission.value, 0, 0, 0);
-    EXPECT_TRUE(is_told("on rectangles and disks only"));
+    EXPECT_TRUE(has_warning("on rectangles and disks only"));
 }
 
 /// A projector's image is upright when looking along +z with +y up; a spot light's texture is rotated by 180 degrees.
@@ -107,7 +107,7 @@ TEST_F(Mitsuba, EmittersWithPictures)
 
     scene = read(R"(<emitter type="spot"><texture type="checkerboard" name="texture"/></emitter>)");
     EXPECT_EQ(scene.lights.at(0).picture.image, -1);
-    EXPECT_TRUE(is_told("a light's image must be a bitmap"));
+    EXPECT_TRUE(has_warning("a light's image must be a bitmap"));
     EXPECT_NE(error(R"(<emitter type="projector"><float name="fov" value="180"/></emitter>)").find("'fov' must be"),
               std::string::npos);
     EXPECT_NE(error(R"(<emitter type="projector"><string name="focal_length" value="-3mm"/></emitter>)")

@@ -184,7 +184,7 @@ TEST_F(MitsubaOpacity, NormalMapsAreDecoded)
     EXPECT_EQ(space(raw), ColorSpace::linear);
     EXPECT_TRUE(warnings_.empty());
     EXPECT_EQ(space(""), ColorSpace::srgb);
-    EXPECT_TRUE(is_told("most normal maps need 'raw' to be true"));
+    EXPECT_TRUE(has_warning("most normal maps need 'raw' to be true"));
 }
 
 /// A bump map inside `twosided` changes its sign on the back; one around it applies to both sides alike.

@@ -168,7 +168,7 @@ type="mesh_attribute" name="reflectance"><string name="name" value=")" +
     EXPECT_NE(normal_x(0), normal_x(1));
     EXPECT_TRUE(warnings_.empty());
     EXPECT_TRUE(mesh("face_color").colors.empty());
-    EXPECT_TRUE(is_told("the mesh has no 'face_color'"));
+    EXPECT_TRUE(has_warning("the mesh has no 'face_color'"));
 }
 
 TEST_F(Mitsuba, InstancesShareTheirGroup)

@@ -38,7 +38,7 @@ TEST_F(Mitsuba, TexturesAsTwoAlphas)
     EXPECT_EQ(m.roughness.texture, -1);
     EXPECT_TRUE(warnings_.empty());
     EXPECT_FALSE(rough("roughdielectric").two_roughnesses);
-    EXPECT_TRUE(is_told("anisotropic roughness of glass"));
+    EXPECT_TRUE(has_warning("anisotropic roughness of glass"));
 }
 
 /// Internal diffuse reflectance, derived from Mitsuba 3.9.1's images of roughplastic with two diffuse colors.

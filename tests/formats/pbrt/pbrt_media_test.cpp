@@ -35,7 +35,7 @@ TEST_F(Pbrt, MediaOutsideOfShapes)
 {
     const std::string shape = R"(MediumInterface "" "fog" Material "dielectric" Shape "sphere" "float radius" 0.5 )";
     world(fog + shape);
-    EXPECT_TRUE(is_told("surrounds shapes, but is neither inside a shape nor around the camera"));
+    EXPECT_TRUE(has_warning("surrounds shapes, but is neither inside a shape nor around the camera"));
     warnings_ = {};
     world(fog + shape + R"(MediumInterface "fog" "" Material "interface" Shape "sphere")");
     EXPECT_TRUE(warnings_.counts().empty()) << "another shape has it inside";
