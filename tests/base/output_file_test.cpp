@@ -62,7 +62,7 @@ namespace fathom {
 namespace {
 
 namespace fs = std::filesystem;
-using test::made_image;
+using test::make_test_image;
 using test::TemporaryFolder;
 
 std::string message_of(const std::function<void()>& action)
@@ -95,7 +95,7 @@ TEST(CheckOutput, KnowsFormatsFoldersAndSizes)
 
 TEST(CheckOutput, RefusesAFolderWithoutTheRightToWrite)
 {
-    if (geteuid() == 0) GTEST_SKIP() << "root may write everywhere";
+    if (geteuid() == 0) GTEST_SKIP() << "root can write everywhere";
     const TemporaryFolder folder;
     chmod(folder.path().c_str(), 0500);
     EXPECT_THROW(check_output(folder.path() / "a.png"), Error);
@@ -106,7 +106,7 @@ TEST(CheckOutput, RefusesAFileThatMayNotBeWritten)
 {
     if (geteuid() == 0) GTEST_SKIP() << "root may write everything";
     const TemporaryFolder folder;
-    write_image(folder.path() / "a.png", made_image(4, 4), {});
+    write_image(folder.path() / "a.png", make_test_image(4, 4), {});
     chmod((folder.path() / "a.png").c_str(), 0400);
     EXPECT_THROW(check_output(folder.path() / "a.png"), Error);
 }
@@ -125,9 +125,9 @@ TEST(CheckOutput, RefusesDevicesAndPipes)
 TEST(WriteImage, ReplacesAndFollowsLinks)
 {
     const TemporaryFolder folder;
-    write_image(folder.path() / "a.exr", made_image(4, 4), {});
+    write_image(folder.path() / "a.exr", make_test_image(4, 4), {});
     fs::create_symlink("a.exr", folder.path() / "link.exr");
-    write_image(folder.path() / "link.exr", made_image(5, 5), {});
+    write_image(folder.path() / "link.exr", make_test_image(5, 5), {});
     EXPECT_TRUE(fs::is_symlink(folder.path() / "link.exr"));
     EXPECT_EQ(read_image(folder.path() / "a.exr").width, 5);
     EXPECT_EQ(folder.files(), 2u);
@@ -137,17 +137,17 @@ TEST(WriteImage, KeepsWhoMayReadTheFile)
 {
     const TemporaryFolder folder;
     const fs::path file = folder.path() / "a.png";
-    write_image(file, made_image(4, 4), {});
+    write_image(file, make_test_image(4, 4), {});
     for (const mode_t mode : {0600u, 0664u, 0777u}) {
         ASSERT_EQ(chmod(file.c_str(), mode), 0);
-        write_image(file, made_image(5, 4), {});
+        write_image(file, make_test_image(5, 4), {});
         struct stat status{};
         ASSERT_EQ(stat(file.c_str(), &status), 0);
         EXPECT_EQ(status.st_mode & 07777, mode);
     }
     if (geteuid() != 0) return;
     ASSERT_EQ(chown(file.c_str(), 54321, 54322), 0);
-    write_image(file, made_image(4, 4), {});
+    write_image(file, make_test_image(4, 4), {});
     struct stat status{};
     ASSERT_EQ(stat(file.c_str(), &status), 0);
     EXPECT_EQ(status.st_uid, 54321u);
@@ -160,7 +160,7 @@ TEST(WriteImage, KeepsTheEarlierFileWhenTheDiskIsFull)
     const TemporaryFolder folder;
     for (const char* name : {"a.exr", "a.png", "a.jpg", "a.webp", "a.avif", "a.hdr"}) {
         const fs::path file = folder.path() / name;
-        write_image(file, made_image(4, 4), {});
+        write_image(file, make_test_image(4, 4), {});
         const std::vector<char> before = test::bytes_of(file);
         rlimit old{};
         getrlimit(RLIMIT_FSIZE, &old);
@@ -168,7 +168,7 @@ TEST(WriteImage, KeepsTheEarlierFileWhenTheDiskIsFull)
         for (rlim_t limit : {0, 100, 5000, 20000}) {
             const rlimit small{limit, old.rlim_max};
             setrlimit(RLIMIT_FSIZE, &small);
-            const std::string message = message_of([&] { write_image(file, made_image(300, 200), {}); });
+            const std::string message = message_of([&] { write_image(file, make_test_image(300, 200), {}); });
             setrlimit(RLIMIT_FSIZE, &old);
             EXPECT_EQ(message.rfind("can't write: ", 0), 0u) << name << " " << limit << " " << message;
             EXPECT_EQ(test::bytes_of(file), before) << name;
@@ -296,7 +296,7 @@ class SharedFolder : public ::testing::Test {
 protected:
     void SetUp() override
     {
-        if (geteuid() != 0) GTEST_SKIP() << "only root can make another user's links";
+        if (geteuid() != 0) GTEST_SKIP() << "needs root to create links of another user";
         fs::create_directory(shared_);
         fs::create_directory(own_);
         chmod(shared_.c_str(), 01777);
@@ -360,7 +360,7 @@ TEST(WriteImage, RefusesWhatIsNoPicture)
 {
     const TemporaryFolder folder;
     EXPECT_THROW(write_image(folder.path() / "a.png", Image{}, {}), Error);
-    Image image = made_image(4, 4);
+    Image image = make_test_image(4, 4);
     image.layers[0].pixels.pop_back();
     EXPECT_THROW(write_image(folder.path() / "a.exr", image, {}), Error);
     EXPECT_EQ(folder.files(), 0u);

@@ -21,7 +21,7 @@ TEST(Furnace, EnclosureHasTheRadianceOfTheGeometricSeries)
             SceneBuilder b;
             b.add(Sphere{{0, 0, 0}, -1, {}}, b.diffuse(albedo, {1, 1, 1}));
             b.camera({0.3, 0.1, 0.2}, {1, 0, 0}, 60);
-            RenderSettings settings = small_picture();
+            RenderSettings settings = small_image_settings();
             settings.light_sampling = light_sampling;
             expect_mean(render_film(b.scene, settings, 64), 1 / (1 - albedo));
         }
@@ -33,7 +33,7 @@ TEST(Furnace, ClosedRoomOfRectangles)
     const int wall = b.diffuse(0.6f, {1, 1, 1}, true);
     b.add(Box{{-1, -1, -1}, {1, 1, 1}}, wall);
     b.camera({0.3, 0.1, 0.2}, {1, 0, 0}, 60);
-    expect_mean(render_film(b.scene, small_picture(), 256), 2.5);
+    expect_mean(render_film(b.scene, small_image_settings(), 256), 2.5);
 }
 
 TEST(Furnace, EveryMaterialUnderAWhiteSky)
@@ -45,7 +45,7 @@ TEST(Furnace, EveryMaterialUnderAWhiteSky)
         b.add(Sphere{{0, 0, 0}, 1, {}}, b.material(m));
         b.scene.environment = white();
         b.camera({0, 0, 2.2}, {0, 0, 0}, 30);
-        expect_mean(render_film(b.scene, small_picture(), 64), value, tolerance);
+        expect_mean(render_film(b.scene, small_image_settings(), 64), value, tolerance);
     };
     Material m;
     for (float roughness : {0.0f, 0.5f, 1.0f}) {
@@ -82,7 +82,7 @@ TEST(Furnace, LosslessPathsHaveNoVariance)
             for (int i = 0; i < 2; ++i) b.add(Sphere{{0, 0, -6.0 - 5 * i}, 2, {}}, m);
         b.scene.environment = white();
         b.camera({0, 0, 0}, {0, 0, -1}, 30);
-        const Mean mean = mean_of(render_film(b.scene, small_picture(), 64));
+        const Mean mean = mean_of(render_film(b.scene, small_image_settings(), 64));
         EXPECT_NEAR(mean.value[0], 1, 1e-4);
         EXPECT_LT(mean.error[0], 1e-5);
     }
@@ -99,7 +99,7 @@ TEST(Furnace, PathsEndInAClosedWhiteRoom)
         b.camera({0.3, 0.6, 0.2}, {1, 0.6, 0}, 60);
         Warnings warnings;
         const Scene scene = Scene::compile(b.scene, "", warnings);
-        const RenderSettings settings = small_picture();
+        const RenderSettings settings = small_image_settings();
         const RenderJob job(scene, settings);
         Film film(job);
         std::uint64_t rays = 0;
@@ -138,7 +138,7 @@ TEST(Furnace, TheSameForATreeOfTriangles)
     b.add(MeshInstance{0}, b.diffuse(1));
     b.scene.environment = white();
     b.camera({1, 2, 3}, {0, 0, 0}, 20);
-    expect_mean(render_film(b.scene, small_picture(), 32), 1);
+    expect_mean(render_film(b.scene, small_image_settings(), 32), 1);
 }
 
 /// A diffuse floor seen from above through a narrow lens; the added lights are the only illumination.
@@ -156,7 +156,7 @@ TEST(Lights, SphereOverAPlane)
     for (bool light_sampling : {true, false}) {
         SceneBuilder b = floor_scene(0.5f);
         b.add(Sphere{{1.5, 3, 0}, 1, {}}, b.diffuse(0, {4, 4, 4}));
-        RenderSettings settings = small_picture(16, 16);
+        RenderSettings settings = small_image_settings(16, 16);
         settings.light_sampling = light_sampling;
         const double d2 = 1.5 * 1.5 + 9, cosine = 3 / std::sqrt(d2);
         expect_mean(render_film(b.scene, settings, light_sampling ? 64 : 4096), 0.5 * 4 / d2 * cosine, 0.003);
@@ -178,7 +178,7 @@ TEST(Lights, RectangleOverAPlane)
         SceneBuilder b = floor_scene(0.5f);
         b.add(Rectangle{{0, h, 0}, {a, 0, 0}, {0, 0, c}}, b.diffuse(0, {3, 3, 3}, true));
         b.scene.cameras[0].position = {-0.5, 0.5, -0.5};
-        RenderSettings settings = small_picture(16, 16);
+        RenderSettings settings = small_image_settings(16, 16);
         settings.light_sampling = light_sampling;
         expect_mean(render_film(b.scene, settings, light_sampling ? 64 : 4096), 0.5 * 3 * rectangle_factor(a, c, h),
                     0.01);
@@ -204,7 +204,7 @@ TEST(Lights, TextureOfALamp)
             if (!is_alone)
                 b.add(Rectangle{{0, -1, 0}, {a, 0, 0}, {0, 0, c}}, lamp);  // an additional light below the floor
             b.scene.cameras[0].position = {-0.5, 0.5, -0.5};
-            RenderSettings settings = small_picture(16, 16);
+            RenderSettings settings = small_image_settings(16, 16);
             settings.light_sampling = light_sampling;
             expect_mean(render_film(b.scene, settings, light_sampling ? 256 : 4096),
                         0.5 * 3 * rectangle_factor(a, c, h), 0.01);
@@ -225,7 +225,7 @@ TEST(Lights, ALimitOfDepth)
                 b.add(Rectangle{{-1, 3, -1}, {2, 0, 0}, {0, 0, 2}}, b.diffuse(0, {5, 5, 5}));
                 if (!quads) b.add(Sphere{{1, 1, 0}, 0.5, {}}, gray);
                 b.camera({0, 2, 6}, {0, 2, 0}, 50);
-                RenderSettings settings = small_picture();
+                RenderSettings settings = small_image_settings();
                 settings.light_sampling = light_sampling;
                 settings.max_depth = max_depth;
                 mean[light_sampling] = mean_of(render_film(b.scene, settings, light_sampling ? 64 : 1024));
@@ -260,7 +260,7 @@ TEST(Lights, AlphaOfALamp)
             else
                 b.add(Rectangle{{0, h, 0}, {a, 0, 0}, {0, 0, c}}, lamp);
             b.scene.cameras[0].position = {-0.5, 0.5, -0.5};
-            RenderSettings settings = small_picture(16, 16);
+            RenderSettings settings = small_image_settings(16, 16);
             settings.light_sampling = light_sampling;
             expect_mean(render_film(b.scene, settings, light_sampling ? 256 : 4096),
                         0.5 * 3 * rectangle_factor(a, c, h) * (cut_out ? 1 : 0.25), 0.01);
@@ -273,7 +273,7 @@ TEST(Lights, DiskOverAPlane)
     SceneBuilder b = floor_scene(0.5f);
     b.add(Disk{{0, 2, 0}, {0, -1, 0}, 1}, b.diffuse(0, {3, 3, 3}));
     b.scene.cameras[0].position = {0.3, 0.5, 0};
-    expect_mean(render_film(b.scene, small_picture(16, 16), 1024), 0.5 * 3 / 5.0, 0.005);
+    expect_mean(render_film(b.scene, small_image_settings(16, 16), 1024), 0.5 * 3 / 5.0, 0.005);
 }
 
 TEST(Lights, PointSpotAndDirectional)
@@ -282,7 +282,7 @@ TEST(Lights, PointSpotAndDirectional)
         SceneBuilder b = floor_scene(0.5f);
         // The node's -z points down.
         b.light(light, Transform::translate(from) * Transform::rotate({1, 0, 0}, -std::numbers::pi / 2));
-        return render_film(b.scene, small_picture(16, 16), 16);
+        return render_film(b.scene, small_image_settings(16, 16), 16);
     };
     Light light;
     light.intensity = {5, 5, 5};
@@ -323,7 +323,7 @@ TEST(Lights, SpotOfEveryWidth)
                 const double x = inside <= 0 ? 0 : inside >= falloff ? 1 : inside / falloff;
                 SCOPED_TRACE("outer " + std::to_string(outer) + " inner " + std::to_string(inner) + " at " +
                              std::to_string(at));
-                expect_mean(render_film(b.scene, small_picture(4, 4), 4), 0.5 / std::numbers::pi * 5 / 4 * x * x,
+                expect_mean(render_film(b.scene, small_image_settings(4, 4), 4), 0.5 / std::numbers::pi * 5 / 4 * x * x,
                             0.004);
             }
 }
@@ -351,7 +351,7 @@ TEST(Lights, Beams)
         const bool inside = round ? x * x + y * y < 1 : std::max(std::abs(x), std::abs(y)) < 1;
         const double expected = inside && dot(from, n) > 0 ? 0.5 / std::numbers::pi * 5 * std::max(0.0, -n.y) : 0;
         SCOPED_TRACE(std::to_string(x) + " " + std::to_string(y) + (round ? " round" : ""));
-        expect_mean(render_film(b.scene, small_picture(4, 4), 4), expected, 1e-4);
+        expect_mean(render_film(b.scene, small_image_settings(4, 4), 4), expected, 1e-4);
         return expected > 0;
     };
     int lit = 0, dark = 0;
@@ -395,7 +395,7 @@ TEST(Lights, BeamsBesideOthers)
         light.width = light.height = 0.1;
         b.light(light, Transform::translate({0, 3, 0}) * down);
         for (const LightSelection how : {LightSelection::tree, LightSelection::power, LightSelection::uniform}) {
-            RenderSettings settings = small_picture(8, 8);
+            RenderSettings settings = small_image_settings(8, 8);
             settings.light_selection = how;
             expect_mean(render_film(b.scene, settings, 4096), 0.5 / std::numbers::pi * expected,
                         how == LightSelection::tree ? 0.01 : 0.03);
@@ -417,7 +417,8 @@ TEST(Lights, ShadowsOfBeams)
         // An object in the plane of the area does not block it either, such as the emitting surface itself.
         b.add(Rectangle{{-1, 1, -1}, {2, 0, 0}, {0, 0, 2}}, b.diffuse(0));
         b.add(Rectangle{{-0.2, height, -0.2}, {0.4, 0, 0}, {0, 0, 0.4}}, b.diffuse(0));
-        expect_mean(render_film(b.scene, small_picture(4, 4), 4), height < 1 ? 0 : 0.5 / std::numbers::pi * 5, 1e-4);
+        expect_mean(render_film(b.scene, small_image_settings(4, 4), 4), height < 1 ? 0 : 0.5 / std::numbers::pi * 5,
+                    1e-4);
     }
 }
 
@@ -434,7 +435,7 @@ TEST(Lights, AnglesNearZero)
             light.intensity = {5, 5, 5};
             light.angle = light.inner_angle = light.outer_angle = angle;
             b.light(light, Transform::translate({0, 2, 0}) * Transform::rotate({1, 0, 0}, -std::numbers::pi / 2));
-            const Film film = render_film(b.scene, small_picture(4, 4), 4);
+            const Film film = render_film(b.scene, small_image_settings(4, 4), 4);
             if (kind == LightKind::directional)
                 expect_mean(film, 0.5 / std::numbers::pi * 5);
             else
@@ -454,7 +455,7 @@ TEST(Lights, ManyOfThemAddUp)
         const double d2 = x * x + 10, r = 0.05 + 0.002 * i;
         expected += 0.5 * e * r * r / d2 * 3 / std::sqrt(d2);
     }
-    expect_mean(render_film(b.scene, small_picture(16, 16), 256), expected, 0.01);
+    expect_mean(render_film(b.scene, small_image_settings(16, 16), 256), expected, 0.01);
 }
 
 TEST(Alpha, OfEveryShape)
@@ -471,7 +472,7 @@ TEST(Alpha, OfEveryShape)
         m.alpha.value = 0.25f;
         b.scene.nodes[0].shapes.push_back({shape, b.material(m), ""});
         b.camera({0, 0, 0}, {0, 0, -1}, 10);
-        expect_mean(render_film(b.scene, small_picture(), 256), 0.25, 0.01);
+        expect_mean(render_film(b.scene, small_image_settings(), 256), 0.25, 0.01);
     }
 }
 
@@ -513,7 +514,7 @@ TEST(Alpha, OfAStackOfLayers)
                 b.camera({0, 0, 0}, {0, 0, -1}, 10);
                 b.scene.cameras[0].kind = CameraKind::orthographic;
                 SCOPED_TRACE(std::to_string(copies) + " " + std::to_string(distance));
-                expect_mean(render_film(b.scene, small_picture(), 64), std::pow(1 - alpha, 4), 0);
+                expect_mean(render_film(b.scene, small_image_settings(), 64), std::pow(1 - alpha, 4), 0);
             }
 }
 
@@ -541,7 +542,7 @@ TEST(Alpha, OfEveryTexture)
             }
             b.add(Rectangle{{-2, -2, -5}, {4, 0, 0}, {0, 4, 0}}, b.material(m));
             b.camera({0, 0, 0}, {0, 0, -1}, 30);
-            const Mean mean = mean_of(render_film(b.scene, small_picture(), 256));
+            const Mean mean = mean_of(render_film(b.scene, small_image_settings(), 256));
             EXPECT_GT(mean.value[0], 0.1);
             EXPECT_LT(mean.value[0], 0.9);
             sum += mean.value[0], error2 += mean.error[0] * mean.error[0];
@@ -568,7 +569,7 @@ TEST(Textures, OfADistortedDisk)
         b.scene.roots.push_back(1);
         b.scene.nodes.push_back(node);
         b.camera({0.3, 0.1, 3}, {0.3, 0.1, 0}, 10);
-        return mean_of(render_film(b.scene, small_picture(), 64)).value[0];
+        return mean_of(render_film(b.scene, small_image_settings(), 64)).value[0];
     };
     // The transform makes an ellipse, but so close to a circle that the image is unchanged.
     const double expected = mean({});
@@ -611,7 +612,7 @@ TEST(Textures, TurnWithTheNode)
                 b.scene.nodes.push_back(node);
                 b.camera({0.3, 0.2, 4}, {0, 0, 0}, 50);
                 if (turns_camera) b.scene.nodes[0].parent_from_node = transform.inverse();
-                pictures[turns_camera] = render_film(b.scene, small_picture(), 64).image(false, false);
+                pictures[turns_camera] = render_film(b.scene, small_image_settings(), 64).image(false, false);
             }
             double difference = 0;
             for (int y = 0; y < 24; ++y)
@@ -625,7 +626,7 @@ TEST(Textures, TurnWithTheNode)
         }
 }
 
-TEST(Glass, AbsorbsByTheWayInside)
+TEST(Glass, AbsorbsByPathLength)
 {
     // Slab at normal incidence: two transmissions, absorption, and the geometric series of internal reflections.
     SceneBuilder b;
@@ -637,7 +638,7 @@ TEST(Glass, AbsorbsByTheWayInside)
     b.scene.environment = white();
     b.camera({0, 0, 1}, {0, 0, 0}, 0.5);
     const double r = 0.04, a = std::sqrt(0.5);
-    expect_mean(render_film(b.scene, small_picture(16, 16), 1024),
+    expect_mean(render_film(b.scene, small_image_settings(16, 16), 1024),
                 r + (1 - r) * (1 - r) * (a + a * a * r) / (1 - r * r * a * a), 0.005);
 }
 
@@ -646,7 +647,7 @@ TEST(Camera, DepthNormalAndPositionOfAPlane)
     SceneBuilder b;
     b.add(Rectangle{{-50, -50, -3}, {100, 0, 0}, {0, 100, 0}}, b.diffuse(0.25f));
     b.camera({1, 2, 4}, {1, 2, 0}, 30);
-    RenderSettings settings = small_picture();
+    RenderSettings settings = small_image_settings();
     settings.aovs = {Aov::albedo, Aov::normal, Aov::depth, Aov::position, Aov::material_id};
     const Image image = render_film(b.scene, settings, 4).image(false, false);
     for (std::size_t i = 0; i < 32 * 24; ++i) {

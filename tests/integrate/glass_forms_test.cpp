@@ -17,7 +17,7 @@ Environment sky(Color color)
 
 /// Glass of index 1 neither reflects nor refracts: transmission follows the Beer-Lambert law by the distance in the
 /// slab, per channel.
-TEST(GlassForms, AbsorptionByTheLengthOfTheWay)
+TEST(GlassForms, AbsorptionByPathLength)
 {
     for (const bool tree : {false, true})
         for (double degrees : {0.0, 40.0, 65.0})
@@ -34,7 +34,7 @@ TEST(GlassForms, AbsorptionByTheLengthOfTheWay)
                 const double a = degrees * std::numbers::pi / 180;
                 const Vec3d d{std::sin(a), 0, -std::cos(a)};
                 b.camera(d * -size, {0, 0, 0}, 0.01);
-                const Mean m = mean_of(render_film(b.scene, small_picture(4, 4), 64));
+                const Mean m = mean_of(render_film(b.scene, small_image_settings(4, 4), 64));
                 const double color[] = {0.25, 0.5, 0.9}, light[] = {1, 2, 4};
                 for (int c = 0; c < 3; ++c) {
                     const double expected = light[c] * std::pow(color[c], 0.75 / std::cos(a));
@@ -72,7 +72,7 @@ TEST(GlassForms, ASlabShiftsWhatIsBehindIt)
             b.camera(d * -15, {0, 0, 0});
             b.scene.cameras[0].kind = CameraKind::orthographic;
             b.scene.cameras[0].height = 4;
-            RenderSettings settings = small_picture(64, 16);
+            RenderSettings settings = small_image_settings(64, 16);
             // Straight transmission takes two refractions, or one event of thin glass.
             settings.max_depth = thin ? 1 : 2;
             const Image image = render_film(b.scene, settings, 256).image(false, false);
@@ -111,17 +111,17 @@ TEST(MirrorForms, ShowsTheMirroredDirection)
     light.base_color.value = {2, 2, 2};
     b.add(Sphere{{3, 3, 0}, 0.5, {}}, b.material(light));
     b.camera({-3, 3, 0}, {0, 0, 0}, 1);
-    const Mean m = mean_of(render_film(b.scene, small_picture(4, 4), 16));
+    const Mean m = mean_of(render_film(b.scene, small_image_settings(4, 4), 16));
     // Schlick's reflectance at 45 degrees.
     const double w = std::pow(1 - std::sqrt(0.5), 5), color[] = {0.9, 0.6, 0.3};
     for (int c = 0; c < 3; ++c) EXPECT_NEAR(m.value[c], 2 * (color[c] + (1 - color[c]) * w), 2e-3);
     b.scene.nodes[0].shapes.pop_back();
-    EXPECT_EQ(mean_of(render_film(b.scene, small_picture(4, 4), 16)).value[0], 0);
+    EXPECT_EQ(mean_of(render_film(b.scene, small_image_settings(4, 4), 16)).value[0], 0);
 }
 
 /// A clear glass sphere loses nothing at any roulette depth and is invisible in a white sky. For colored glass early
 /// roulette only adds noise.
-TEST(GlassForms, RouletteLosesNothing)
+TEST(GlassForms, RouletteIsUnbiased)
 {
     Mean means[2][2];
     for (const bool coloured : {false, true})
@@ -134,7 +134,7 @@ TEST(GlassForms, RouletteLosesNothing)
             b.add(Sphere{{0, 0, 0}, -0.6, {}}, b.material(glass));
             b.scene.environment = sky({1, 1, 1});
             b.camera({0, 0, 3}, {0, 0, 0}, 30);
-            RenderSettings settings = small_picture(16, 16);
+            RenderSettings settings = small_image_settings(16, 16);
             settings.roulette_depth = early ? 0 : 100;
             means[coloured][early] = mean_of(render_film(b.scene, settings, 256));
         }

@@ -28,7 +28,7 @@ TEST(LightForms, Point)
 
 /// A perfectly smooth plastic shows no specular reflection of a point light, because no ray hits it: only the diffuse
 /// base is lit.
-TEST(LightForms, PointsAreNotSeenInMirrors)
+TEST(LightForms, PointsAreInvisibleInMirrors)
 {
     SceneBuilder b;
     Material m;
@@ -40,10 +40,10 @@ TEST(LightForms, PointsAreNotSeenInMirrors)
     light.intensity = {5, 5, 5};
     b.light(light, Transform::translate({0, 2, 0}));
     b.camera({0, 3, 0.5}, {0, 0, 0});
-    const Mean mean = mean_of(render_film(b.scene, small_picture(), 16));
+    const Mean mean = mean_of(render_film(b.scene, small_image_settings(), 16));
     for (const double value : mean.value) EXPECT_EQ(value, 0);
     b.scene.materials[0].roughness.value = 0.2f;
-    EXPECT_GT(mean_of(render_film(b.scene, small_picture(), 16)).value[0], 0.01);
+    EXPECT_GT(mean_of(render_film(b.scene, small_image_settings(), 16)).value[0], 0.01);
 }
 
 void expect_spot(SpotFalloff falloff)
@@ -57,7 +57,7 @@ void expect_spot(SpotFalloff falloff)
         light.intensity = {5, 5, 5};
         light.inner_angle = inner, light.outer_angle = outer;
         light.falloff = falloff;
-        b.light(light, Transform::translate(at) * shining(along));
+        b.light(light, Transform::translate(at) * rotate_to(along));
     };
     int full = 0, falling = 0, none = 0;
     for (double x : {-2.5, -1.5, -1.0, -0.5, 0.0, 0.25, 0.5, 1.5}) {
@@ -100,7 +100,7 @@ TEST(LightForms, DirectionalAndItsDisk)
                 sun.kind = LightKind::directional;
                 sun.intensity = {5, 5, 5};
                 sun.angle = angle;
-                b.light(sun, Transform::translate({1, 2, 3}) * shining(along));
+                b.light(sun, Transform::translate({1, 2, 3}) * rotate_to(along));
             };
             floor.samples = 256;
             floor.expect(0.2, -0.1, -5 * normalize(along).y);
@@ -272,7 +272,7 @@ TEST(LightForms, AllKindsTogether)
     sun.intensity = {0.5f, 0.5f, 0.5f};
     floor.furnish = [&](SceneBuilder& b) {
         b.light(point, Transform::translate({1, 2, 0}));
-        b.light(sun, shining({0, -1, 1}));
+        b.light(sun, rotate_to({0, -1, 1}));
         b.add(Rectangle{{-1, 3, -0.5}, {1, 0, 0}, {0, 0, 1}}, b.diffuse(0, {8, 8, 8}, true));
         b.add(Sphere{{-1.5, 1.5, -1}, 0.2, {}}, b.diffuse(0, {30, 30, 30}));
     };
@@ -402,7 +402,7 @@ protected:
     double bright_ = 0, grey_ = 0;
 };
 
-TEST_F(ImageEnvironment, IsSeenWhereItIs)
+TEST_F(ImageEnvironment, AppearsInItsDirection)
 {
     write(5, 2, 8, 0.25f);
     for (const Transform& turn : {Transform(), Transform::rotate({0.5, 1, -0.3}, 1.1)}) {
@@ -413,7 +413,7 @@ TEST_F(ImageEnvironment, IsSeenWhereItIs)
             const Vec3d to = turn.vector(direction_of((column + 0.5) / width, (row + 0.5) / height));
             // A field of view of 0.001 degrees is a single direction.
             b.camera(to, to * 2, 1e-3);
-            const Mean m = mean_of(render_film(b.scene, small_picture(4, 4), 4));
+            const Mean m = mean_of(render_film(b.scene, small_image_settings(4, 4), 4));
             const double factor[] = {1, 0.5, 2};
             for (int c = 0; c < 3; ++c) {
                 const double expected = factor[c] * (0.25 + (column == 5 && row == 2 ? 8 * (c + 1) : 0));
@@ -459,7 +459,7 @@ TEST_F(ImageEnvironment, LightsTheFloor)
 }
 
 /// A sky seen through a pane and inside fog illuminates equally with NEE and without.
-TEST_F(ImageEnvironment, LightsWhatIsSeenThrough)
+TEST_F(ImageEnvironment, LightsThroughTransparentSurfaces)
 {
     write(5, 2, 20, 0.1f);
     Material pane;
@@ -478,7 +478,7 @@ TEST_F(ImageEnvironment, LightsWhatIsSeenThrough)
         b.add(Rectangle{{-2, -1, -2}, {0, 0, 4}, {4, 0, 0}}, b.diffuse(0.6f));
         b.add(Box{{-1.5, -1, -1.5}, {1.5, 1, 1.5}}, b.material(m));
         b.camera({0, 0, 6}, {0, -0.3, 0}, 35);
-        RenderSettings settings = small_picture(16, 16);
+        RenderSettings settings = small_image_settings(16, 16);
         const Mean sampled = mean_of(render_film(b.scene, settings, 1024));
         settings.light_sampling = false;
         settings.seed = 7;
@@ -486,7 +486,7 @@ TEST_F(ImageEnvironment, LightsWhatIsSeenThrough)
         for (int c = 0; c < 3; ++c) {
             const double error = std::hypot(sampled.error[c], by_chance.error[c]);
             EXPECT_NEAR(sampled.value[c], by_chance.value[c], 4 * error) << m.thin << " channel " << c;
-            EXPECT_LT(error, 0.01 * by_chance.value[c]) << "the picture can tell";
+            EXPECT_LT(error, 0.01 * by_chance.value[c]) << "the test is too noisy to detect a difference";
         }
     }
 }
@@ -500,11 +500,11 @@ TEST_F(ImageEnvironment, ValuesThatAreNoNumbersAreBlack)
     good.add(Rectangle{{-50, 0, 50}, {100, 0, 0}, {0, 0, -100}}, good.diffuse(0.5f));
     good.camera({0, 1, 0.1}, {0, 0, 0});
     bad = good;
-    const Mean before = mean_of(render_film(good.scene, small_picture(4, 4), 256));
+    const Mean before = mean_of(render_film(good.scene, small_image_settings(4, 4), 256));
     write(5, 2, 20, 0.1f,
           {std::numeric_limits<float>::infinity(), 0.1f, 0.1f, std::numeric_limits<float>::quiet_NaN()});
     Warnings warnings;
-    const RenderJob job(Scene::compile(bad.scene, "", warnings), small_picture(4, 4));
+    const RenderJob job(Scene::compile(bad.scene, "", warnings), small_image_settings(4, 4));
     Film film(job);
     render(job, {0, 256}, film);
     const Mean after = mean_of(film);
@@ -540,7 +540,7 @@ TEST(LightForms, Background)
     b.add(Rectangle{{-50, 0, 50}, {100, 0, 0}, {0, 0, -100}}, b.diffuse(1));
     floor.furnish(b);
     b.camera({0, 1, 0}, {0, 0, 0}, 10);
-    RenderSettings settings = small_picture(8, 8);
+    RenderSettings settings = small_image_settings(8, 8);
     settings.background = Color{7, 8, 9};
     expect_mean(render_film(b.scene, settings, 256), 0.5);
     b.scene.cameras[0].look_at = {0, 3, 0};

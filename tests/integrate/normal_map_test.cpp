@@ -24,7 +24,7 @@ int normal_map(SceneBuilder& b)
 
 Vec3d shown_normal(const SceneDescription& scene)
 {
-    RenderSettings settings = small_picture(1, 1);
+    RenderSettings settings = small_image_settings(1, 1);
     settings.aovs = {Aov::normal};
     const Image image = render_film(scene, settings, 1).image(false, false);
     const auto& n = image.find("normal")->pixels;

@@ -58,13 +58,13 @@ struct SceneBuilder {
 };
 
 /// Rotates -z, along which lights emit, to a direction.
-inline Transform shining(Vec3d along)
+inline Transform rotate_to(Vec3d along)
 {
     const Vec3d d = normalize(along), axis = cross({0, 0, -1}, d);
     return Transform::rotate(length(axis) > 1e-9 ? axis : Vec3d{0, 1, 0}, std::acos(std::clamp(-d.z, -1.0, 1.0)));
 }
 
-inline RenderSettings small_picture(int width = 32, int height = 24)
+inline RenderSettings small_image_settings(int width = 32, int height = 24)
 {
     RenderSettings s;
     s.width = width;

@@ -25,7 +25,7 @@ void add_crowd(SceneBuilder& b, Vec3d at, double size)
 
 /// Fraction of a square of side 6 around (1, 0) covered by a disk of radius 1 or a sphere's shadow under light at 45
 /// degrees: an ellipse.
-double covered_share()
+double covered_fraction()
 {
     constexpr int n = 2000;
     int covered = 0;
@@ -40,7 +40,7 @@ double covered_share()
 /// A black sphere on a 10 km ground, and its shadow next to it.
 TEST(RayOffset, ShadowsOfSmallThingsOnAHugeGround)
 {
-    const double share = covered_share();
+    const double share = covered_fraction();
     for (const bool in_tree : {false, true})
         for (const bool mesh : {false, true})
             for (const double radius : {1e-3, 1e-2, 1.0}) {
@@ -70,7 +70,7 @@ TEST(RayOffset, ShadowsOfSmallThingsOnAHugeGround)
                 b.scene.cameras[0].height = 6 * radius;
                 b.scene.cameras[0].up = {0, 0, 1};
                 SCOPED_TRACE(std::to_string(in_tree) + std::to_string(mesh) + " " + std::to_string(radius));
-                const Mean mean = mean_of(render_film(b.scene, small_picture(64, 64), 16));
+                const Mean mean = mean_of(render_film(b.scene, small_image_settings(64, 64), 16));
                 const double lit = 0.5 / pi * 4 * std::sqrt(0.5);
                 EXPECT_NEAR(mean.value[0] / lit, 1 - share, 0.01);
             }
@@ -98,7 +98,7 @@ Mesh ball_mesh(std::uint32_t n)
 }
 
 /// Convex objects never shadow themselves: with albedo 1/2 under a white sky every sample is exactly half of it.
-TEST(RayOffset, NothingConvexShadowsItself)
+TEST(RayOffset, ConvexSurfacesDoNotShadowThemselves)
 {
     Mesh sheet;
     sheet.positions = {{-1, -1, 0}, {1, -1, 0}, {-1, 1, 0}, {1, 1, 0}};
@@ -149,7 +149,7 @@ TEST(RayOffset, NothingConvexShadowsItself)
                             const Vec3d front = normalize(node.parent_from_node.vector({0.3, 0.2, 1}));
                             b.camera(front * (distance * size), {0, 0, 0}, 0.5 / distance * 60);
                             b.scene.cameras[0].shutter_close = moves ? 1 : 0;
-                            const Mean mean = mean_of(render_film(b.scene, small_picture(16, 16), 16));
+                            const Mean mean = mean_of(render_film(b.scene, small_image_settings(16, 16), 16));
                             EXPECT_NEAR(mean.value[0], 0.5, 1e-5)
                                 << "shape " << &shape - shapes.data() << " in tree " << in_tree << " moves " << moves
                                 << " turn " << &turn - turns << " size " << size << " distance " << distance;
@@ -171,7 +171,8 @@ TEST(RayOffset, ClosedBoxesAreDark)
                 if (in_tree) add_crowd(b, Vec3d{0, 0, -5} * size, 0.01 * size);
                 b.scene.environment = white();
                 b.camera(Vec3d{0.1, 0.2, 0.3} * size, Vec3d{0.9, 0.8, -0.7} * size, 100);
-                EXPECT_EQ(mean_of(render_film(b.scene, small_picture(), 256)).value[0], 0) << in_tree << " " << size;
+                EXPECT_EQ(mean_of(render_film(b.scene, small_image_settings(), 256)).value[0], 0)
+                    << in_tree << " " << size;
             }
 }
 

@@ -16,7 +16,7 @@ void expect_near(Vec3d a, Vec3d b, double tolerance = 1e-9)
 }
 
 /// Rotation, scale and translation are interpolated separately and composed in that order.
-TEST(NodeMotion, PartsGoTheirOwnWays)
+TEST(NodeMotion, PartsMoveIndependently)
 {
     Node node;
     const Vec3d axis{1, -2, 0.5};

@@ -25,7 +25,7 @@ Film some_film(std::uint64_t first, std::uint64_t last, std::vector<Aov> aovs = 
 {
     RenderSettings settings;
     settings.width = width, settings.height = height, settings.aovs = std::move(aovs), settings.alpha = alpha;
-    Film film = test::made_film(settings);
+    Film film = test::make_test_film(settings);
     film.data().add_range({first, last});
     film.data().dropped = first;
     std::uint32_t state = std::uint32_t(first) + 9;
@@ -71,7 +71,7 @@ void overwrite(const fs::path& file, const std::vector<char>& bytes)
     std::ofstream(file, std::ios::binary | std::ios::trunc).write(bytes.data(), std::streamsize(bytes.size()));
 }
 
-TEST(FilmFile, ComesBackAsItWas)
+TEST(FilmFile, RoundTrips)
 {
     const TemporaryFolder folder;
     const std::vector<Aov> all = {Aov::albedo,   Aov::normal,      Aov::depth,
@@ -89,7 +89,7 @@ TEST(FilmFile, ComesBackAsItWas)
         }
 }
 
-TEST(FilmFile, ShowsItsPictureToWhoeverReadsExr)
+TEST(FilmFile, IsAReadableExrImage)
 {
     const TemporaryFolder folder;
     const Film film = some_film(0, 3, {Aov::normal}, true);
@@ -144,7 +144,7 @@ TEST(FilmFile, LeavesNoFileOpen)
     const fs::path file = folder.path() / "a.exr", other = folder.path() / "b.exr", none = folder.path() / "c.exr";
     write(file, some_film(0, 3));
     write(other, some_film(3, 4));
-    write_image(none, test::made_image(4, 4), {});
+    write_image(none, test::make_test_image(4, 4), {});
     const auto before = open_files();
     for (int i = 0; i < 3; ++i) {
         Film film = FilmFile(file).read();
@@ -158,7 +158,7 @@ TEST(FilmFile, LeavesNoFileOpen)
     EXPECT_EQ(open_files(), before);
 }
 
-TEST(FilmFile, IsAddedToNothingThatItDoesNotBelongTo)
+TEST(FilmFile, RejectsAFilmOfAnotherScene)
 {
     const TemporaryFolder folder;
     write(folder.path() / "a.exr", some_film(0, 3));
@@ -175,7 +175,7 @@ TEST(FilmFile, IsAddedToNothingThatItDoesNotBelongTo)
 }
 
 /// A flipped bit is detected anywhere: in headers, table, images and sums.
-TEST(FilmFile, AnyDamageIsSeen)
+TEST(FilmFile, DetectsAnyDamage)
 {
     const TemporaryFolder folder;
     const fs::path file = folder.path() / "a.exr";
@@ -209,16 +209,16 @@ TEST(FilmFile, TellsWhatIsNone)
     EXPECT_NE(message_of([&] { FilmFile f(folder.path()); }).find("this is not a file"), std::string::npos);
     ASSERT_EQ(mkfifo((folder.path() / "pipe").c_str(), 0600), 0);
     EXPECT_NE(message_of([&] { FilmFile f(folder.path() / "pipe"); }).find("this is not a file"), std::string::npos);
-    write_image(file, test::made_image(4, 4), {});
+    write_image(file, test::make_test_image(4, 4), {});
     EXPECT_NE(message_of([&] { FilmFile f(file); }).find("--mergeable"), std::string::npos);
-    write_image(folder.path() / "a.png", test::made_image(4, 4), {});
+    write_image(folder.path() / "a.png", test::make_test_image(4, 4), {});
     EXPECT_NE(message_of([&] { FilmFile f(folder.path() / "a.png"); }).find("film files are OpenEXR"),
               std::string::npos);
-    EXPECT_THROW(write_film(file, some_film(0, 1), test::made_image(4, 4), {}), Error);
+    EXPECT_THROW(write_film(file, some_film(0, 1), test::make_test_image(4, 4), {}), Error);
 }
 
 /// The size in a header is compared with the file's size before memory is allocated.
-TEST(FilmFile, TakesNoMemoryForWhatIsNotThere)
+TEST(FilmFile, AllocatesOnlyStoredData)
 {
     const TemporaryFolder folder;
     const fs::path file = folder.path() / "a.exr";
@@ -240,7 +240,7 @@ TEST(FilmFile, TakesNoMemoryForWhatIsNotThere)
     settings.width = settings.height = 65535;
     const std::string most = FilmKey{settings, std::string(32, '0')}.text();
     for (const std::size_t length : {std::size_t(0), std::size_t(1) << 20}) {
-        Image image = test::made_image(65535, 1, {"Y"});
+        Image image = test::make_test_image(65535, 1, {"Y"});
         image.attributes = {{"fathom.sums.version", "1"},
                             {"fathom.sums.key", most},
                             {"fathom.sums.samples", "0:1"},

@@ -505,7 +505,7 @@ TEST_F(Save, AxesOfCameras)
 
 // -------------------------------------------------------------------------------------- scenes that can't be saved
 
-TEST_F(Save, WhatNoFileCanSayIsTold)
+TEST_F(Save, ReportsWhatFilesCannotExpress)
 {
     SceneDescription scene;
     scene.images.push_back({"unused", "unused.png", {}});
@@ -539,7 +539,7 @@ std::string error_of_saving(const SceneDescription& scene, const fs::path& file)
     return "written";
 }
 
-TEST_F(Save, NothingThatItWasReadFromIsOverwritten)
+TEST_F(Save, NeverOverwritesItsSources)
 {
     SceneDescription scene;
     scene.meshes = {triangle()};

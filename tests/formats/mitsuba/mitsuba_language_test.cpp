@@ -111,7 +111,7 @@ TEST_F(Mitsuba, CyclesAndDamage)
               "line 2, column 23: expected numbers, found '1x'");
 }
 
-TEST_F(Mitsuba, WhatNobodyReadsIsTold)
+TEST_F(Mitsuba, ReportsUnknownParameters)
 {
     read(
         R"(<shape type="sphere"><float name="radious" value="1"/><bsdf type="diffuse"><float name="gloss" value="1"/></bsdf></shape>
@@ -175,11 +175,11 @@ TEST_F(Mitsuba, FieldsOfView)
                 2 * std::atan(half / std::sqrt(5)) / degree, 1e-9);
     const double of_50_mm = 2 * std::atan(std::hypot(36, 24) / 100 / std::sqrt(5)) / degree;
     EXPECT_NEAR(fov(R"(<string name="focal_length" value="50mm"/>)"), of_50_mm, 1e-9);
-    EXPECT_NEAR(fov(""), of_50_mm, 1e-9) << "unless anything is said";
+    EXPECT_NEAR(fov(""), of_50_mm, 1e-9) << "the default";
 }
 
 /// Pixel coordinates to camera coordinates divided by the depth along the view axis.
-std::array<double, 2> seen_at(const SceneDescription& scene, const Camera& c, double x, double y)
+std::array<double, 2> image_point(const SceneDescription& scene, const Camera& c, double x, double y)
 {
     const double width = *scene.hints.width, height = *scene.hints.height,
                  half = c.kind == CameraKind::orthographic ? c.height / 2 : std::tan(c.fov_y / 2);
@@ -218,7 +218,8 @@ TEST_F(Mitsuba, Crop)
         EXPECT_EQ(whole.cameras.at(0).shift_x, 0);
         EXPECT_FALSE(std::signbit(whole.cameras[0].shift_y));
         for (const auto& [x, y] : {std::pair{0.0, 0.0}, {3.0, 11.0}, {8.0, 15.0}}) {
-            const auto a = seen_at(part, part.cameras.at(0), x, y), b = seen_at(whole, whole.cameras[0], x + 30, y + 2);
+            const auto a = image_point(part, part.cameras.at(0), x, y),
+                       b = image_point(whole, whole.cameras[0], x + 30, y + 2);
             EXPECT_NEAR(a[0], b[0], 1e-12) << type;
             EXPECT_NEAR(a[1], b[1], 1e-12) << type;
         }
@@ -228,8 +229,8 @@ TEST_F(Mitsuba, Crop)
 <float name="principal_point_offset_y" value="0.1"/>)";
         for (const char* crop : {"", R"(<integer name="crop_width" value="10"/>)"}) {
             const SceneDescription plain = with(crop), shifted = with(crop, offset);
-            const auto a = seen_at(shifted, shifted.cameras.at(0), 5, 7),
-                       b = seen_at(plain, plain.cameras.at(0), 15, 9);
+            const auto a = image_point(shifted, shifted.cameras.at(0), 5, 7),
+                       b = image_point(plain, plain.cameras.at(0), 15, 9);
             EXPECT_NEAR(a[0], b[0], 1e-12);
             EXPECT_NEAR(a[1], b[1], 1e-12);
         }
@@ -248,7 +249,7 @@ TEST_F(Mitsuba, NestedIntegrators)
 <integer name="max_depth" value="3"/></integrator></integrator>)");
     EXPECT_EQ(scene.hints.max_depth, 2);
     EXPECT_TRUE(has_warning("only the nested integrator"));
-    EXPECT_EQ(read(R"(<integrator type="direct"/>)").hints.max_depth, 1) << "light comes by one surface";
+    EXPECT_EQ(read(R"(<integrator type="direct"/>)").hints.max_depth, 1) << "one scattering event";
 }
 
 TEST_F(Mitsuba, Settings)

@@ -129,7 +129,7 @@ TEST_F(Mitsuba, EnvironmentMaps)
 }
 
 /// Values of Mitsuba 3.9.1 to 0.2 degrees: +x is south, +y west, +z up.
-TEST_F(Mitsuba, SunOfADate)
+TEST_F(Mitsuba, SunByDate)
 {
     const auto sun = [&](const std::string& inside) {
         const SceneDescription scene = read("<emitter type=\"sky\">" + inside + "</emitter>");
@@ -180,7 +180,7 @@ TEST_F(Mitsuba, SkyWithItsSun)
 }
 
 /// Values of Mitsuba 3.9.1's `llvm_ad_rgb` variant.
-TEST(MitsubaSpectra, AsColours)
+TEST(MitsubaSpectra, AsColors)
 {
     const std::vector<SpectrumPoint> points = {{400, 0.1}, {500, 0.5}, {600, 0.9}, {700, 0.3}};
     expect_color(color_of_surface(points), 0.854797, 0.68754, 0.265015, 0.02);

@@ -77,7 +77,7 @@ TEST_F(Mitsuba, MediaOutsideOfShapes)
     EXPECT_TRUE(has_warning("surrounds shapes, but is neither inside a shape nor around the camera"));
     warnings_ = {};
     read(fog + shape + R"(<shape type="cube"><bsdf type="null"/><ref name="interior" id="fog"/></shape>)");
-    EXPECT_TRUE(warnings_.counts().empty()) << "another shape has it inside";
+    EXPECT_TRUE(warnings_.counts().empty()) << "the medium is used by another shape";
 }
 
 }  // namespace

@@ -64,7 +64,8 @@ TEST_F(MitsubaOpacity, EmissionIsNotScaled)
 TEST_F(MitsubaOpacity, MasksMultiply)
 {
     EXPECT_NEAR(bsdf(masked("0.5", masked("0.6", red))).alpha.value, 0.3, 1e-6);
-    EXPECT_EQ(bsdf(masked("0.5", R"(<bsdf type="null"/>)")).alpha.value, 0) << "half of nothing is nothing";
+    EXPECT_EQ(bsdf(masked("0.5", R"(<bsdf type="null"/>)")).alpha.value, 0)
+        << "a masked null bsdf is fully transparent";
     const SceneDescription scene = plate("<bsdf type=\"mask\">" + picture("opacity") + "<bsdf type=\"mask\">" +
                                          picture("opacity", raw) + red + "</bsdf></bsdf>");
     const FloatInput& alpha = material_of(scene).alpha;

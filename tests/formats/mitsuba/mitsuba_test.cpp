@@ -220,7 +220,7 @@ TEST_F(Mitsuba, Hair)
     expect_color(bsdf(R"(<bsdf type="hair"><rgb name="sigma_a" value="3 4 5"/></bsdf>)").absorption.value, 3, 4, 5);
 }
 
-TEST_F(Mitsuba, MasksAndNothing)
+TEST_F(Mitsuba, MasksAndNullBsdfs)
 {
     const Material mask =
         bsdf(R"(<bsdf type="mask"><float name="opacity" value="0.25"/><bsdf type="diffuse"/></bsdf>)");

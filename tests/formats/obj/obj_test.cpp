@@ -110,7 +110,7 @@ TEST_F(Obj, LinesThatGoOnAndOtherHabits)
 }
 
 /// Vertex colors are sRGB, as in Blender, Godot and MeshLab: 0.5 decodes to 0.2140.
-TEST_F(Obj, VertexColours)
+TEST_F(Obj, VertexColors)
 {
     const SceneDescription scene = load("a.obj", "v 0 0 0 1 0 0.5\nv 1 0 0 0 1 0.02\nv 0 1 0\nf 1 2 3\n");
     const std::vector<Vec4f>& colors = scene.meshes.at(0).colors;
@@ -124,7 +124,7 @@ TEST_F(Obj, VertexColours)
 }
 
 /// Some programs write colors from 0 to 255: the largest value in the file determines the range for the whole file.
-TEST_F(Obj, VertexColoursOfBytes)
+TEST_F(Obj, VertexColorsOfBytes)
 {
     const SceneDescription scene =
         load("a.obj", "v 0 0 0 1 0 0\nv 1 0 0 128 51 0\nv 0 1 0 255 254 0\nv 1 1 0\nf 1 2 3 4\n");
@@ -312,7 +312,7 @@ disp heights.png
     EXPECT_EQ(warning_count("'decal'"), 1u);
 }
 
-TEST_F(Obj, ANormalThatIsNotThereCostsOnlyItself)
+TEST_F(Obj, IgnoresAMissingNormal)
 {
     const SceneDescription scene =
         load("a.obj", std::string(square) + "vn 0.6 0 0.8\nf 1//1 2//9 3//1\nf 1//1 3//-5 4//0\n");

@@ -81,14 +81,14 @@ TEST_F(Pbrt, CompressedScenesAreRead)
     EXPECT_EQ(error_of(folder_ / "b.pbrt.gz"), "the compressed data is damaged or truncated");
 }
 
-TEST_F(Pbrt, WhatNobodyReadsIsTold)
+TEST_F(Pbrt, ReportsUnknownParameters)
 {
     world("Shape \"sphere\" \"float radius\" 2\n  \"float colour\" 3");
     EXPECT_TRUE(has_warning("a.pbrt: line 3, column 3: Shape 'sphere': the parameter 'colour' is ignored"));
     EXPECT_EQ(warnings_.counts().size(), 1u);
 }
 
-TEST_F(Pbrt, MistakesAreToldWithTheirPlace)
+TEST_F(Pbrt, ErrorsNameTheirPlace)
 {
     EXPECT_EQ(error("Shape \"sphere\"\n AttributeBegin"),
               "line 3, column 2: AttributeBegin has no matching AttributeEnd");

@@ -38,7 +38,7 @@ TEST_F(Pbrt, MediaOutsideOfShapes)
     EXPECT_TRUE(has_warning("surrounds shapes, but is neither inside a shape nor around the camera"));
     warnings_ = {};
     world(fog + shape + R"(MediumInterface "fog" "" Material "interface" Shape "sphere")");
-    EXPECT_TRUE(warnings_.counts().empty()) << "another shape has it inside";
+    EXPECT_TRUE(warnings_.counts().empty()) << "the medium is used by another shape";
     EXPECT_NE(error(R"(MediumInterface "" "mist" Shape "sphere")").find("there is no medium 'mist'"),
               std::string::npos);
 }

@@ -133,7 +133,7 @@ Vec2f mapped(const Texture& t, double u, double v)
     return {float(c * x + s * y) + t.uv_offset.x, float(-s * x + c * y) + t.uv_offset.y};
 }
 
-TEST_F(Pbrt, BilerpGoesFromCornerToCorner)
+TEST_F(Pbrt, BilerpInterpolatesCorners)
 {
     const Textured t{world(R"(Texture "t" "spectrum" "bilerp" "rgb v00" [ 0.1 0 0 ] "rgb v01" [ 0.2 0 0 ]
 "rgb v10" [ 0.3 0 0 ] "rgb v11" [ 0.4 0 0 ] Material "diffuse" "texture reflectance" "t" Shape "sphere")")};

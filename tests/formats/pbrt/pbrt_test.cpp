@@ -140,7 +140,7 @@ TEST_F(Pbrt, Glass)
 
 /// Dispersion from named, tabulated and file spectra: 20 over Abbe's number, (n(587.6 nm) - 1) / (n(486.1 nm) - n(656.3
 /// nm)).
-TEST_F(Pbrt, GlassThatSpreadsColours)
+TEST_F(Pbrt, DispersiveGlass)
 {
     const Material crown = material("Material \"dielectric\" \"spectrum eta\" \"glass-BK7\"");
     EXPECT_EQ(crown.kind, MaterialKind::principled);
@@ -257,7 +257,7 @@ Material "mix" "string materials" [ "{}" "{}" ] "float amount" 0.25)";
     EXPECT_EQ(second.alpha.value, 0.25f);
 }
 
-TEST_F(Pbrt, WhatIsApproximatedIsTold)
+TEST_F(Pbrt, ReportsApproximations)
 {
     const std::pair<const char*, const char*> approximated[] = {
         {"Texture \"t\" \"float\" \"checkerboard\" Material \"hair\" \"texture eumelanin\" \"t\"",

@@ -140,7 +140,7 @@ TEST_F(Ply, BothByteOrdersWithEverything)
     }
 }
 
-TEST_F(Ply, TheFastWayGivesWhatTheSlowOneDoes)
+TEST_F(Ply, FastAndGeneralReadersAgree)
 {
     // An extra property makes faces use the general code path.
     const auto make = [&](bool extra) {
@@ -439,7 +439,7 @@ TEST_F(Stl, OddBeginningsAndEnds)
     EXPECT_EQ(error_of("d.stl", ""), "the file is empty");
 }
 
-TEST_F(Stl, UpIsZUnlessSaidOtherwise)
+TEST_F(Stl, UpIsZByDefault)
 {
     const auto file = write("a.stl", binary_stl(two_triangles));
     LoadOptions options;
