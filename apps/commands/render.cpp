@@ -22,7 +22,7 @@ constexpr CommandText command_text{
     "render", "Render a scene or model file to images",
     "An option overrides what the scene file says.\n"
     "Ctrl-C, SIGTERM or SIGHUP once writes the image and checkpoint so far (exit code 130); twice stops at once.\n"
-    "SIGUSR1 writes them and goes on. docs/long-renders.md explains checkpoints and parts.\n\n"
+    "SIGUSR1 writes them and continues. docs/long-renders.md explains checkpoints and parts.\n\n"
     "Examples:\n"
     "  fathom render scene.json --spp 1024 -o out.exr -o out.png\n"
     "  fathom render model.glb --time 10m --orbit 45,20 --env sky.hdr\n"

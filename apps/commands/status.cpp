@@ -88,9 +88,9 @@ void print_text(const JobPlan& plan, const JobStatus& status)
 
 ordered_json to_json(const JobPlan& plan, const JobStatus& status)
 {
-    ordered_json json{{"picture", plan.outputs.front().string()}, {"samples_per_pixel", plan.samples},
-                      {"samples_done", status.samples},           {"scheduler_answers", status.scheduler_answers},
-                      {"merge_waits", status.merge_waits},        {"merged", status.merged.has_value()}};
+    ordered_json json{{"image", plan.outputs.front().string()}, {"samples_per_pixel", plan.samples},
+                      {"samples_done", status.samples},         {"scheduler_answers", status.scheduler_answers},
+                      {"merge_waits", status.merge_waits},      {"merged", status.merged.has_value()}};
     if (status.noise > 0) json["noise"] = status.noise;
     if (status.left_s) json["left_s"] = *status.left_s;
     json["parts"] = ordered_json::array();

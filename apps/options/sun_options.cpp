@@ -76,9 +76,9 @@ void add_sun_options(Command& command, SunOptions& options)
 {
     command.add_value({"--sun-elevation", "DEGREES", "elevation of the sun above the horizon", "40"},
                       [&](const std::string& text) { options.elevation_deg = parse_number(text, -90, 90); });
-    command.add_value({"--sun-azimuth", "DEGREES", "azimuth of the sun, from +z towards +x as in --orbit", "-35"},
+    command.add_value({"--sun-azimuth", "DEGREES", "azimuth of the sun, from +z toward +x as in --orbit", "-35"},
                       [&](const std::string& text) { options.azimuth_deg = parse_number(text, -1e6, 1e6); });
-    command.add_value({"--sun-direction", "X,Y,Z", "direction towards the sun, instead of both angles", ""},
+    command.add_value({"--sun-direction", "X,Y,Z", "direction toward the sun, instead of both angles", ""},
                       [&](const std::string& text) {
                           options.direction = parse_vector(text);
                           if (!(length(*options.direction) > 0)) throw UsageError("expected a direction, found 0,0,0");
@@ -115,7 +115,7 @@ Vec3d direction_to_sun(const SunOptions& options)
                                      options.azimuth_deg.value_or(-35) * radians_per_degree);
     const auto [elevation, azimuth] =
         sun_position(options.place_deg->first, options.place_deg->second, *options.julian_day);
-    // sun_position measures from north (-z) towards east (+x), --sun-azimuth from +z towards +x.
+    // sun_position measures from north (-z) towards east (+x), --sun-azimuth from +z toward +x.
     return direction_from_angles(elevation * radians_per_degree, (180 - azimuth) * radians_per_degree);
 }
 
