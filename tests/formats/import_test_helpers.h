@@ -10,6 +10,7 @@
 
 #include "fathom/error.h"
 #include "fathom/load.h"
+#include "support/near.h"
 
 namespace fathom::test {
 
@@ -74,11 +75,10 @@ inline void expect_color(const Color& c, double r, double g, double b, double to
     EXPECT_NEAR(c.b, b, tolerance);
 }
 
-inline void expect_near(Vec3d a, Vec3d b, double tolerance = 1e-12)
+inline std::string bytes_of(const std::filesystem::path& file)
 {
-    EXPECT_NEAR(a.x, b.x, tolerance);
-    EXPECT_NEAR(a.y, b.y, tolerance);
-    EXPECT_NEAR(a.z, b.z, tolerance);
+    std::ifstream in(file, std::ios::binary);
+    return {std::istreambuf_iterator<char>(in), {}};
 }
 
 }  // namespace fathom::test

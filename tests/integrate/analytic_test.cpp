@@ -6,13 +6,6 @@ namespace {
 
 using namespace test;
 
-Environment white()
-{
-    Environment e;
-    e.kind = EnvironmentKind::constant;
-    return e;
-}
-
 TEST(Furnace, EnclosureHasTheRadianceOfTheGeometricSeries)
 {
     // Inside a sphere with emission 1 and albedo a, radiance is 1 / (1 - a) everywhere.
@@ -43,7 +36,7 @@ TEST(Furnace, EveryMaterialUnderAWhiteSky)
         m.base_color.value = {1, 1, 1};
         SceneBuilder b;
         b.add(Sphere{{0, 0, 0}, 1, {}}, b.material(m));
-        b.scene.environment = white();
+        b.scene.environment = uniform_sky();
         b.camera({0, 0, 2.2}, {0, 0, 0}, 30);
         expect_mean(render_film(b.scene, small_image_settings(), 64), value, tolerance);
     };
@@ -80,7 +73,7 @@ TEST(Furnace, LosslessPathsHaveNoVariance)
             for (int i = 0; i < 4; ++i) b.add(Rectangle{{-50, -50, -2.0 - i}, {100, 0, 0}, {0, 100, 0}}, m);
         else
             for (int i = 0; i < 2; ++i) b.add(Sphere{{0, 0, -6.0 - 5 * i}, 2, {}}, m);
-        b.scene.environment = white();
+        b.scene.environment = uniform_sky();
         b.camera({0, 0, 0}, {0, 0, -1}, 30);
         const Mean mean = mean_of(render_film(b.scene, small_image_settings(), 64));
         EXPECT_NEAR(mean.value[0], 1, 1e-4);
@@ -118,43 +111,22 @@ TEST(Furnace, TheSameForATreeOfTriangles)
 {
     // An octahedron subdivided into enough triangles to need the BVH.
     SceneBuilder b;
-    Mesh mesh;
     constexpr std::uint32_t n = 16;
-    for (int face = 0; face < 8; ++face) {
-        const float sx = face & 1 ? -1.f : 1.f, sy = face & 2 ? -1.f : 1.f, sz = face & 4 ? -1.f : 1.f;
-        const auto base = std::uint32_t(mesh.positions.size());
-        for (std::uint32_t i = 0; i <= n; ++i)
-            for (std::uint32_t j = 0; j <= n - i; ++j)
-                mesh.positions.push_back({sx * float(i) / n, sy * float(j) / n, sz * float(n - i - j) / n});
-        const auto at = [&](std::uint32_t i, std::uint32_t j) { return base + i * (n + 1) - i * (i - 1) / 2 + j; };
-        for (std::uint32_t i = 0; i < n; ++i)
-            for (std::uint32_t j = 0; j < n - i; ++j) {
-                mesh.indices.insert(mesh.indices.end(), {at(i, j), at(i + 1, j), at(i, j + 1)});
-                if (i + j + 1 < n)
-                    mesh.indices.insert(mesh.indices.end(), {at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)});
-            }
-    }
+    const Mesh mesh = octahedron_mesh(n, [](Vec3d sign, std::uint32_t i, std::uint32_t j) {
+        return Vec3f{float(sign.x) * float(i) / n, float(sign.y) * float(j) / n, float(sign.z) * float(n - i - j) / n};
+    });
     b.scene.meshes.push_back(mesh);
     b.add(MeshInstance{0}, b.diffuse(1));
-    b.scene.environment = white();
+    b.scene.environment = uniform_sky();
     b.camera({1, 2, 3}, {0, 0, 0}, 20);
     expect_mean(render_film(b.scene, small_image_settings(), 32), 1);
-}
-
-/// A diffuse floor seen from above through a narrow lens; the added lights are the only illumination.
-SceneBuilder floor_scene(float albedo)
-{
-    SceneBuilder b;
-    b.add(Rectangle{{-50, 0, 50}, {100, 0, 0}, {0, 0, -100}}, b.diffuse(albedo));
-    b.camera({0, 1, 0}, {0, 0, 0}, 0.5);
-    return b;
 }
 
 TEST(Lights, SphereOverAPlane)
 {
     // E = pi L (r / d)^2 cos, exact while the sphere is entirely above the horizon.
     for (bool light_sampling : {true, false}) {
-        SceneBuilder b = floor_scene(0.5f);
+        SceneBuilder b = floor_scene(0.5f, 0.5);
         b.add(Sphere{{1.5, 3, 0}, 1, {}}, b.diffuse(0, {4, 4, 4}));
         RenderSettings settings = small_image_settings(16, 16);
         settings.light_sampling = light_sampling;
@@ -175,7 +147,7 @@ TEST(Lights, RectangleOverAPlane)
 {
     const double a = 2, c = 1.5, h = 1.2;
     for (bool light_sampling : {true, false}) {
-        SceneBuilder b = floor_scene(0.5f);
+        SceneBuilder b = floor_scene(0.5f, 0.5);
         b.add(Rectangle{{0, h, 0}, {a, 0, 0}, {0, 0, c}}, b.diffuse(0, {3, 3, 3}, true));
         b.scene.cameras[0].position = {-0.5, 0.5, -0.5};
         RenderSettings settings = small_image_settings(16, 16);
@@ -191,7 +163,7 @@ TEST(Lights, TextureOfALamp)
     const double a = 2, c = 1.5, h = 1.2;
     for (bool is_alone : {true, false})
         for (bool light_sampling : {true, false}) {
-            SceneBuilder b = floor_scene(0.5f);
+            SceneBuilder b = floor_scene(0.5f, 0.5);
             Texture halves;
             halves.kind = TextureKind::checker_uv;
             halves.uv_scale = {2, 1};
@@ -248,7 +220,7 @@ TEST(Lights, AlphaOfALamp)
     mesh.indices = {0, 1, 3, 0, 3, 2};
     for (bool cut_out : {false, true})
         for (bool light_sampling : {true, false}) {
-            SceneBuilder b = floor_scene(0.5f);
+            SceneBuilder b = floor_scene(0.5f, 0.5);
             const int lamp = b.diffuse(0, {3, 3, 3}, true);
             Material& m = b.scene.materials[std::size_t(lamp)];
             m.alpha_mode = cut_out ? AlphaMode::mask : AlphaMode::blend;
@@ -270,7 +242,7 @@ TEST(Lights, AlphaOfALamp)
 TEST(Lights, DiskOverAPlane)
 {
     // Disk of radius r at height h, centered above: E = pi L r^2 / (r^2 + h^2).
-    SceneBuilder b = floor_scene(0.5f);
+    SceneBuilder b = floor_scene(0.5f, 0.5);
     b.add(Disk{{0, 2, 0}, {0, -1, 0}, 1}, b.diffuse(0, {3, 3, 3}));
     b.scene.cameras[0].position = {0.3, 0.5, 0};
     expect_mean(render_film(b.scene, small_image_settings(16, 16), 1024), 0.5 * 3 / 5.0, 0.005);
@@ -279,7 +251,7 @@ TEST(Lights, DiskOverAPlane)
 TEST(Lights, PointSpotAndDirectional)
 {
     const auto mean = [](const Light& light, Vec3d from) {
-        SceneBuilder b = floor_scene(0.5f);
+        SceneBuilder b = floor_scene(0.5f, 0.5);
         // The node's -z points down.
         b.light(light, Transform::translate(from) * Transform::rotate({1, 0, 0}, -std::numbers::pi / 2));
         return render_film(b.scene, small_image_settings(16, 16), 16);
@@ -308,7 +280,7 @@ TEST(Lights, SpotOfEveryWidth)
         for (double inner : {0.0, 0.5, 1.0})
             for (double at : {0.0, 0.3, 0.75, 0.95, 1.1}) {
                 if (at * outer > 3) continue;
-                SceneBuilder b = floor_scene(0.5f);
+                SceneBuilder b = floor_scene(0.5f, 0.5);
                 b.scene.cameras[0].fov_y = outer * 1e-3;
                 Light light;
                 light.kind = LightKind::spot;
@@ -333,7 +305,7 @@ TEST(Lights, SpotOfEveryWidth)
 TEST(Lights, Beams)
 {
     const auto expect_beam = [](const Transform& place, bool round) {
-        SceneBuilder b = floor_scene(0.5f);
+        SceneBuilder b = floor_scene(0.5f, 0.5);
         b.scene.cameras[0].fov_y = 1e-3;
         Light light;
         light.kind = LightKind::beam;
@@ -379,7 +351,7 @@ TEST(Lights, Beams)
 TEST(Lights, BeamsBesideOthers)
 {
     for (const int others : {1, 40}) {
-        SceneBuilder b = floor_scene(0.5f);
+        SceneBuilder b = floor_scene(0.5f, 0.5);
         b.scene.cameras[0].fov_y = 1e-3;
         const Transform down = Transform::rotate({1, 0, 0}, -std::numbers::pi / 2);
         Light light;
@@ -407,7 +379,7 @@ TEST(Lights, BeamsBesideOthers)
 TEST(Lights, ShadowsOfBeams)
 {
     for (const double height : {0.5, 1.5}) {
-        SceneBuilder b = floor_scene(0.5f);
+        SceneBuilder b = floor_scene(0.5f, 0.5);
         b.scene.cameras[0].fov_y = 1e-3;
         b.scene.cameras[0].position = {0.3, 0.4, 0};
         Light light;
@@ -429,7 +401,7 @@ TEST(Lights, AnglesNearZero)
     for (double angle : {1e-4, 1e-6, 1e-7, 1e-12, 1e-20, 1e-40, 0.0}) {
         SCOPED_TRACE(angle);
         for (LightKind kind : {LightKind::directional, LightKind::spot}) {
-            SceneBuilder b = floor_scene(0.5f);
+            SceneBuilder b = floor_scene(0.5f, 0.5);
             Light light;
             light.kind = kind;
             light.intensity = {5, 5, 5};
@@ -446,7 +418,7 @@ TEST(Lights, AnglesNearZero)
 
 TEST(Lights, ManyOfThemAddUp)
 {
-    SceneBuilder b = floor_scene(0.5f);
+    SceneBuilder b = floor_scene(0.5f, 0.5);
     double expected = 0;
     for (int i = 0; i < 20; ++i) {
         const double x = 0.4 * i - 4, e = 1 + i % 3;
@@ -510,7 +482,7 @@ TEST(Alpha, OfAStackOfLayers)
                     b.scene.roots.push_back(int(b.scene.nodes.size()));
                     b.scene.nodes.push_back(node);
                 }
-                b.scene.environment = white();
+                b.scene.environment = uniform_sky();
                 b.camera({0, 0, 0}, {0, 0, -1}, 10);
                 b.scene.cameras[0].kind = CameraKind::orthographic;
                 SCOPED_TRACE(std::to_string(copies) + " " + std::to_string(distance));
@@ -536,7 +508,7 @@ TEST(Alpha, OfEveryTexture)
             if (as_alpha) {
                 m.alpha_mode = AlphaMode::blend;
                 m.alpha = {1, 0, 0};
-                b.scene.environment = white();
+                b.scene.environment = uniform_sky();
             } else {
                 m.emission = {{1, 1, 1}, 0};
             }
@@ -635,7 +607,7 @@ TEST(Glass, AbsorbsByPathLength)
     glass.attenuation_color = {0.5f, 0.5f, 0.5f};
     glass.attenuation_distance = 2;
     b.add(Box{{-50, -50, -1}, {50, 50, 0}}, b.material(glass));
-    b.scene.environment = white();
+    b.scene.environment = uniform_sky();
     b.camera({0, 0, 1}, {0, 0, 0}, 0.5);
     const double r = 0.04, a = std::sqrt(0.5);
     expect_mean(render_film(b.scene, small_image_settings(16, 16), 1024),

@@ -10,20 +10,11 @@ using namespace test;
 
 constexpr double pi = std::numbers::pi;
 
-/// A diffuse floor seen from above through a narrow lens; the added lights are the only illumination.
-SceneBuilder floor_scene(float albedo)
-{
-    SceneBuilder b;
-    b.add(Rectangle{{-50, 0, 50}, {100, 0, 0}, {0, 0, -100}}, b.diffuse(albedo));
-    b.camera({0, 1, 0}, {0, 0, 0}, 0.1);
-    return b;
-}
-
 TEST(ClosedForm, PointLightsAtDistancesAndAngles)
 {
     for (double height : {0.3, 2.0, 40.0, 3000.0})
         for (double angle : {0.0, 0.7, 1.4}) {
-            SceneBuilder b = floor_scene(0.5f);
+            SceneBuilder b = floor_scene(0.5f, 0.1);
             b.scene.cameras[0].position.y = 0.1;
             Light light;
             const float intensity = float(7 * height * height);
@@ -39,7 +30,7 @@ TEST(ClosedForm, DirectionalLightsAtAngles)
 {
     for (double disk : {0.0, 1e-3, 0.3})
         for (double angle : {0.0, 0.7, 1.4}) {
-            SceneBuilder b = floor_scene(0.5f);
+            SceneBuilder b = floor_scene(0.5f, 0.1);
             Light light;
             light.kind = LightKind::directional;
             light.intensity = {7, 7, 7};
@@ -59,7 +50,7 @@ TEST(ClosedForm, BallsAndDisksAtDistances)
             RenderSettings settings = small_image_settings(8, 8);
             settings.light_sampling = light_sampling;
             const std::uint64_t samples = light_sampling ? 256 : 8192;
-            SceneBuilder ball = floor_scene(0.5f);
+            SceneBuilder ball = floor_scene(0.5f, 0.1);
             ball.scene.cameras[0].position = {0.2, 0.1, 0.1};
             const double angle = 0.5;
             ball.add(Sphere{{distance * std::sin(angle), distance * std::cos(angle), 0}, 1, {}},
@@ -67,7 +58,7 @@ TEST(ClosedForm, BallsAndDisksAtDistances)
             SCOPED_TRACE(std::to_string(light_sampling) + " " + std::to_string(distance));
             expect_mean(render_film(ball.scene, settings, samples), 0.5 * 3 / (distance * distance) * std::cos(angle),
                         0.004);
-            SceneBuilder disk = floor_scene(0.5f);
+            SceneBuilder disk = floor_scene(0.5f, 0.1);
             disk.scene.cameras[0].position = {0.2, 0.1, 0.1};
             disk.add(Disk{{0, distance, 0}, {0, -1, 0}, 1}, disk.diffuse(0, {3, 3, 3}));
             expect_mean(render_film(disk.scene, settings, samples), 0.5 * 3 / (1 + distance * distance), 0.004);
@@ -104,7 +95,7 @@ void expect_irradiance(int w, int h)
             for (int c = 0; c < 3; ++c) expected[c] += radiance(d, c) / (n * n);
         }
     for (bool light_sampling : {true, false}) {
-        SceneBuilder b = floor_scene(0.5f);
+        SceneBuilder b = floor_scene(0.5f, 0.1);
         b.scene.images.push_back({"sky", folder.path() / "sky.exr", {}});
         b.scene.environment.kind = EnvironmentKind::image;
         b.scene.environment.image = 0;
@@ -139,7 +130,7 @@ TEST(ClosedForm, IlluminanceOfPictures)
                 pixel[2] = 0.1f;
             }
         write_image(folder.path() / "sky.exr", image, {});
-        SceneBuilder b = floor_scene(0.5f);
+        SceneBuilder b = floor_scene(0.5f, 0.1);
         b.scene.images.push_back({"sky", folder.path() / "sky.exr", {}});
         b.scene.environment.kind = equal_area ? EnvironmentKind::equal_area : EnvironmentKind::image;
         b.scene.environment.image = 0;

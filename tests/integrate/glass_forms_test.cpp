@@ -7,14 +7,6 @@ namespace {
 
 using namespace test;
 
-Environment sky(Color color)
-{
-    Environment e;
-    e.kind = EnvironmentKind::constant;
-    e.color = color;
-    return e;
-}
-
 /// Glass of index 1 neither reflects nor refracts: transmission follows the Beer-Lambert law by the distance in the
 /// slab, per channel.
 TEST(GlassForms, AbsorptionByPathLength)
@@ -30,7 +22,7 @@ TEST(GlassForms, AbsorptionByPathLength)
                 glass.attenuation_distance = 2 * size;
                 b.add(Box{{-50 * size, -50 * size, -1.5 * size}, {50 * size, 50 * size, 0}}, b.material(glass));
                 for (int i = 0; i < (tree ? 100 : 0); ++i) b.add(Sphere{{0, 1e3 * size + i, 1e3 * size}, 0.1, {}}, 0);
-                b.scene.environment = sky({1, 2, 4});
+                b.scene.environment = uniform_sky({1, 2, 4});
                 const double a = degrees * std::numbers::pi / 180;
                 const Vec3d d{std::sin(a), 0, -std::cos(a)};
                 b.camera(d * -size, {0, 0, 0}, 0.01);
@@ -132,7 +124,7 @@ TEST(GlassForms, RouletteIsUnbiased)
             if (coloured) glass.transmission_color.value = {0.5f, 0.7f, 0.9f};
             b.add(Sphere{{0, 0, 0}, 1, {}}, b.material(glass));
             b.add(Sphere{{0, 0, 0}, -0.6, {}}, b.material(glass));
-            b.scene.environment = sky({1, 1, 1});
+            b.scene.environment = uniform_sky({1, 1, 1});
             b.camera({0, 0, 3}, {0, 0, 0}, 30);
             RenderSettings settings = small_image_settings(16, 16);
             settings.roulette_depth = early ? 0 : 100;

@@ -57,6 +57,46 @@ struct SceneBuilder {
     void light(const Light& l, const Transform& place) { add_light(scene, l, place); }
 };
 
+/// An environment of the same radiance in all directions.
+inline Environment uniform_sky(Color color = {1, 1, 1})
+{
+    Environment e;
+    e.kind = EnvironmentKind::constant;
+    e.color = color;
+    return e;
+}
+
+/// A diffuse floor seen from above through a narrow lens, without lights.
+inline SceneBuilder floor_scene(float albedo, double fov_y_deg)
+{
+    SceneBuilder b;
+    b.add(Rectangle{{-50, 0, 50}, {100, 0, 0}, {0, 0, -100}}, b.diffuse(albedo));
+    b.camera({0, 1, 0}, {0, 0, 0}, fov_y_deg);
+    return b;
+}
+
+/// A mesh of eight triangles, one per octant, each split into n^2: point(sign, i, j) with the octant's signs is the
+/// position of a vertex, of n + 1 rows.
+template <class Point>
+Mesh octahedron_mesh(std::uint32_t n, const Point& point)
+{
+    Mesh mesh;
+    for (int face = 0; face < 8; ++face) {
+        const Vec3d sign{face & 1 ? -1. : 1., face & 2 ? -1. : 1., face & 4 ? -1. : 1.};
+        const auto base = std::uint32_t(mesh.positions.size());
+        for (std::uint32_t i = 0; i <= n; ++i)
+            for (std::uint32_t j = 0; j <= n - i; ++j) mesh.positions.push_back(point(sign, i, j));
+        const auto at = [&](std::uint32_t i, std::uint32_t j) { return base + i * (n + 1) - i * (i - 1) / 2 + j; };
+        for (std::uint32_t i = 0; i < n; ++i)
+            for (std::uint32_t j = 0; j < n - i; ++j) {
+                mesh.indices.insert(mesh.indices.end(), {at(i, j), at(i + 1, j), at(i, j + 1)});
+                if (i + j + 1 < n)
+                    mesh.indices.insert(mesh.indices.end(), {at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)});
+            }
+    }
+    return mesh;
+}
+
 /// Rotates -z, along which lights emit, to a direction.
 inline Transform rotate_to(Vec3d along)
 {

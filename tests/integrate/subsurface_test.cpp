@@ -7,13 +7,6 @@ namespace {
 
 using namespace test;
 
-Environment white_sky()
-{
-    Environment e;
-    e.kind = EnvironmentKind::constant;
-    return e;
-}
-
 /// All light enters the solid: its boundary reflects nothing.
 Material subsurface(Color color, double radius, float anisotropy = 0)
 {
@@ -82,7 +75,7 @@ Mean face_of(const Material& m, double degrees, std::uint64_t samples = 1024)
 {
     SceneBuilder b;
     b.add(Box{{-200, -200, -200}, {200, 200, 0}}, b.material(m));
-    b.scene.environment = white_sky();
+    b.scene.environment = uniform_sky();
     const double a = degrees * std::numbers::pi / 180;
     b.camera(Vec3d{std::sin(a), 0, std::cos(a)} * 20, {0, 0, 0}, 0.01);
     return mean_of(render_film(b.scene, small_image_settings(16, 16), samples));
@@ -133,7 +126,7 @@ TEST(Subsurface, WhiteSolidsAreInvisible)
         Material glass;
         glass.kind = MaterialKind::glass;
         if (with_glass) b.add(Sphere{{0.2, 0.1, 0.5}, 0.3, {}}, b.material(glass));
-        b.scene.environment = white_sky();
+        b.scene.environment = uniform_sky();
         b.camera({0, 0, 2.2}, {0, 0, 0}, 30);
         expect_mean(render_film(b.scene, small_image_settings(), 64), 1, tolerance);
     };
@@ -225,7 +218,7 @@ TEST(Subsurface, RefractedLightIsInAnotherMedium)
     m.ior = 1;
     SceneBuilder b;
     b.add(Sphere{{0, 0, 0}, 1, {}}, b.material(m));
-    b.scene.environment = white_sky();
+    b.scene.environment = uniform_sky();
     b.camera({0, 0, 5}, {0, 0, 0}, 10);
     expect_mean(render_film(b.scene, small_image_settings(), 64), 0.5, 0.005);
 }
@@ -246,7 +239,7 @@ TEST(Subsurface, ColorHasATexture)
         const double x = i == 0 ? -11 : 1;
         boxes.add(Box{{x, -10, -10}, {x + 10, 10, 0}}, boxes.material(m));
     }
-    boxes.scene.environment = white_sky();
+    boxes.scene.environment = uniform_sky();
     for (int i = 0; i < 2; ++i) {
         SceneBuilder b = boxes;
         const double x = i == 0 ? -6 : 6;
@@ -286,7 +279,7 @@ TEST(Subsurface, EachSolidHasItsOwnTexture)
         };
         add(Box{{-5, -5, -1}, {5, 0, 5}}, {0.9f, 0.5f, 0.1f});
         add(Box{{-5, 0.01, -5}, {5, 5, -1}}, {0.1f, 0.6f, 0.9f});
-        b.scene.environment = white_sky();
+        b.scene.environment = uniform_sky();
         b.camera({0, 3, 4}, {0, 0, -0.5}, 2);
         mean[textured] = mean_of(render_film(b.scene, small_image_settings(16, 16), 1024));
     }
@@ -323,7 +316,7 @@ TEST(Subsurface, RadiusHasATexture)
         const Material m = radius_by_textures(slabs, {0, 0, 0}, x < 0 ? 0.8f : 0.3f);
         slabs.add(Box{{x, -50, -0.2}, {x + 100, 50, 0}}, slabs.material(m));
     }
-    slabs.scene.environment = white_sky();
+    slabs.scene.environment = uniform_sky();
     for (const double x : {-51.0, 51.0}) {
         SceneBuilder b = slabs;
         b.camera(Vec3d{x, 0, 5}, {x, 0, 0}, 1);
@@ -375,7 +368,7 @@ TEST(Subsurface, OnlySurfacesCountForTheDepth)
     const auto radiance = [](int depth) {
         SceneBuilder b;
         b.add(Sphere{{0, 0, 0}, 1, {}}, b.material(subsurface({1, 1, 1}, 0.1)));
-        b.scene.environment = white_sky();
+        b.scene.environment = uniform_sky();
         b.camera({0, 0, 5}, {0, 0, 0}, 5);
         RenderSettings settings = small_image_settings();
         settings.max_depth = depth;

@@ -65,8 +65,7 @@ double read_light_unit(const JsonValue& v, JsonObject& o, Light& light)
     o.read_enum("unit",
                 Units{{"cd", 1}, {"lm", 1 / sphere}, {"W/sr", lumens_per_watt}, {"W", lumens_per_watt / sphere}}, unit);
     // With an image, the light's distribution is normalized to the given flux.
-    if (may_be_flux && v.has("unit"))
-        light.intensity_is_flux = v["unit"].string() == "lm" || v["unit"].string() == "W";
+    if (may_be_flux && v.has("unit")) light.intensity_is_flux = v["unit"].string() == "lm" || v["unit"].string() == "W";
     return unit;
 }
 

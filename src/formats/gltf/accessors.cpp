@@ -71,8 +71,8 @@ void convert_elements(const char* data, std::size_t stride, std::size_t count, E
     const int have = std::min(layout.columns * layout.rows, to.components);
     for (std::size_t i = 0; i < count; ++i, data += stride, to.values += to.components) {
         for (int k = 0; k < have; ++k) {
-            const char* p = data + std::size_t(k / layout.rows) * layout.column_stride +
-                            std::size_t(k % layout.rows) * sizeof(T);
+            const char* p =
+                data + std::size_t(k / layout.rows) * layout.column_stride + std::size_t(k % layout.rows) * sizeof(T);
             to.values[k] = to_unit_float<T, normalized>(load<T>(p));
         }
         for (int k = have; k < to.components; ++k) to.values[k] = to.fill;

@@ -372,8 +372,8 @@ void GlbMaterials::put_emission(const Material& m, Json& json)
 {
     const Color e = m.emission.value;
     const float strength = std::max({e.r, e.g, e.b, 1.f});
-    put_color(json, "emissiveFactor", {{e.r / strength, e.g / strength, e.b / strength}, m.emission.texture},
-              {0, 0, 0}, "emissiveTexture");
+    put_color(json, "emissiveFactor", {{e.r / strength, e.g / strength, e.b / strength}, m.emission.texture}, {0, 0, 0},
+              "emissiveTexture");
     if (strength > 1) extension(json, "KHR_materials_emissive_strength")["emissiveStrength"] = number_json(strength);
     // glTF has one flag for both; emission takes precedence over the visibility of the back.
     if (m.emission_two_sided == m.single_sided)

@@ -6,8 +6,8 @@
 #include <numbers>
 
 #include "formats/common/texture_walk.h"
-#include "formats/mesh/surface_of_revolution.h"
 #include "formats/mesh/mesh_sides.h"
+#include "formats/mesh/surface_of_revolution.h"
 #include "formats/mitsuba/reader.h"
 
 namespace fathom::mitsuba {

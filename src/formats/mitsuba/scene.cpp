@@ -4,10 +4,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include "formats/common/units.h"
 #include "formats/io/read_file.h"
 #include "formats/mitsuba/mitsuba.h"
 #include "formats/mitsuba/reader.h"
-#include "formats/common/units.h"
 
 namespace fathom {
 
@@ -170,10 +170,10 @@ Reader::FieldOfView Reader::field_of_view(Object& object)
         if (!(fov > 0 && fov < 180)) object.element().fail("'fov' must be above 0 and below 180 degrees");
         const std::string axis = object.text("fov_axis", "x");
         return {fov * radians_per_degree, axis == "y"          ? FovAxis::height
-                              : axis == "diagonal" ? FovAxis::diagonal
-                              : axis == "smaller"  ? FovAxis::smaller
-                              : axis == "larger"   ? FovAxis::larger
-                                                   : FovAxis::width};
+                                          : axis == "diagonal" ? FovAxis::diagonal
+                                          : axis == "smaller"  ? FovAxis::smaller
+                                          : axis == "larger"   ? FovAxis::larger
+                                                               : FovAxis::width};
     }
     // Focal lengths refer to the diagonal of a 36 by 24 mm image.
     std::string text = object.text("focal_length", "50mm");

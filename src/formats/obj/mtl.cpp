@@ -102,8 +102,9 @@ private:
     bool read_number(std::string_view key, Entry& e)
     {
         static constexpr std::pair<std::string_view, std::optional<float> Entry::*> numbers[] = {
-            {"tr", &Entry::transparency}, {"pr", &Entry::roughness},       {"pm", &Entry::metallic},
-            {"ps", &Entry::sheen},        {"pc", &Entry::coat},            {"pcr", &Entry::coat_roughness},
+            {"tr", &Entry::transparency},  {"pr", &Entry::roughness},
+            {"pm", &Entry::metallic},      {"ps", &Entry::sheen},
+            {"pc", &Entry::coat},          {"pcr", &Entry::coat_roughness},
             {"aniso", &Entry::anisotropy}, {"anisor", &Entry::anisotropy_turn}};
         for (const auto& [name, member] : numbers) {
             if (name != key) continue;
@@ -117,10 +118,10 @@ private:
     bool read_map(std::string_view key, Entry& e)
     {
         static constexpr std::pair<std::string_view, int Entry::*> maps[] = {
-            {"map_kd", &Entry::map_diffuse},   {"map_ke", &Entry::map_emission},   {"map_d", &Entry::map_opacity},
-            {"map_tr", &Entry::map_opacity},   {"map_pr", &Entry::map_roughness},  {"map_pm", &Entry::map_metallic},
-            {"map_ps", &Entry::map_sheen},     {"map_pc", &Entry::map_coat},       {"map_pcr", &Entry::map_coat_roughness},
-            {"norm", &Entry::map_normal},      {"map_kn", &Entry::map_normal}};
+            {"map_kd", &Entry::map_diffuse}, {"map_ke", &Entry::map_emission},  {"map_d", &Entry::map_opacity},
+            {"map_tr", &Entry::map_opacity}, {"map_pr", &Entry::map_roughness}, {"map_pm", &Entry::map_metallic},
+            {"map_ps", &Entry::map_sheen},   {"map_pc", &Entry::map_coat},      {"map_pcr", &Entry::map_coat_roughness},
+            {"norm", &Entry::map_normal},    {"map_kn", &Entry::map_normal}};
         for (const auto& [name, member] : maps) {
             if (name != key) continue;
             const bool is_color = member == &Entry::map_diffuse || member == &Entry::map_emission;
@@ -225,7 +226,7 @@ private:
         } else if (option == "-mm") {
             value_base_ = words.number(), value_gain_ = words.number();
         } else {
-            constexpr std::string_view ignored[] = {"-blendu", "-blendv", "-cc",  "-boost",
+            constexpr std::string_view ignored[] = {"-blendu", "-blendv",  "-cc",  "-boost",
                                                     "-texres", "-imfchan", "-type"};
             if (std::find(std::begin(ignored), std::end(ignored), option) == std::end(ignored)) return false;
             words.word();

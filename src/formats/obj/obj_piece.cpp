@@ -202,10 +202,7 @@ private:
         piece_.uvs.push_back({u, 1 - v});
     }
 
-    void read_normal(TextScanner& scan)
-    {
-        piece_.normals.push_back({scan.number(), scan.number(), scan.number()});
-    }
+    void read_normal(TextScanner& scan) { piece_.normals.push_back({scan.number(), scan.number(), scan.number()}); }
 
     void read_face(TextScanner& scan)
     {
