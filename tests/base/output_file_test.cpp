@@ -17,6 +17,7 @@
 #include "base/output_file.h"
 #include "fathom/error.h"
 #include "image/pictures.h"
+#include "support/error_message.h"
 
 namespace {
 
@@ -62,18 +63,9 @@ namespace fathom {
 namespace {
 
 namespace fs = std::filesystem;
+using test::error_message;
 using test::make_test_image;
 using test::TemporaryFolder;
-
-std::string message_of(const std::function<void()>& action)
-{
-    try {
-        action();
-    } catch (const Error& error) {
-        return error.message();
-    }
-    return "";
-}
 
 TEST(CheckOutput, KnowsFormatsFoldersAndSizes)
 {
@@ -118,7 +110,7 @@ TEST(CheckOutput, RefusesDevicesAndPipes)
     ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
     fs::create_symlink("pipe.png", link);
     for (const fs::path& file : {pipe, link})
-        EXPECT_EQ(message_of([&] { check_output(file); }), "can't write: this is a device or a pipe, not a file");
+        EXPECT_EQ(error_message([&] { check_output(file); }), "can't write: this is a device or a pipe, not a file");
     EXPECT_TRUE(fs::is_fifo(pipe));
 }
 
@@ -168,7 +160,7 @@ TEST(WriteImage, KeepsTheEarlierFileWhenTheDiskIsFull)
         for (rlim_t limit : {0, 100, 5000, 20000}) {
             const rlimit small{limit, old.rlim_max};
             setrlimit(RLIMIT_FSIZE, &small);
-            const std::string message = message_of([&] { write_image(file, make_test_image(300, 200), {}); });
+            const std::string message = error_message([&] { write_image(file, make_test_image(300, 200), {}); });
             setrlimit(RLIMIT_FSIZE, &old);
             EXPECT_EQ(message.rfind("can't write: ", 0), 0u) << name << " " << limit << " " << message;
             EXPECT_EQ(test::bytes_of(file), before) << name;
@@ -253,7 +245,7 @@ TEST_P(Names, ALinkAtATemporaryNameIsNotFollowed)
     constexpr std::uint64_t number = 0x0123456789abcdef;
     fs::create_symlink("victim", folder_.path() / fmt::format(".a.{:016x}.part", number));
     foreseen = &number;
-    EXPECT_EQ(message_of([&] { write_text(path, "new"); }), "can't write: File exists");
+    EXPECT_EQ(error_message([&] { write_text(path, "new"); }), "can't write: File exists");
     EXPECT_EQ(text_of(victim), "mine");
     EXPECT_FALSE(fs::exists(path));
     foreseen = nullptr;
@@ -309,7 +301,7 @@ protected:
     }
     std::string refusal(const fs::path& path) const
     {
-        return message_of([&] { write_text(path, "new"); });
+        return error_message([&] { write_text(path, "new"); });
     }
 
     const TemporaryFolder folder_;
@@ -353,7 +345,7 @@ TEST(OutputFile, LinksThatLeadInACircleAreRefused)
     const TemporaryFolder folder;
     fs::create_symlink("b", folder.path() / "a");
     fs::create_symlink("a", folder.path() / "b");
-    EXPECT_EQ(message_of([&] { write_text(folder.path() / "a", "new"); }), "can't write: too many symbolic links");
+    EXPECT_EQ(error_message([&] { write_text(folder.path() / "a", "new"); }), "can't write: too many symbolic links");
 }
 
 TEST(WriteImage, RefusesWhatIsNoPicture)

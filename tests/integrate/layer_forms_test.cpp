@@ -19,7 +19,7 @@ struct Shown {
     Vec3d to_light = normalize(Vec3d{-0.2, 0.6, 0.8});
 
     /// f cos: the reflected radiance of a directional light of illuminance 1.
-    Color of(const std::function<void(Material&, SceneBuilder&)>& furnish) const
+    Color of(const std::function<void(Material&, SceneBuilder&)>& add_objects) const
     {
         SceneBuilder b;
         b.camera(to_eye * 4, {0, 0, 0});
@@ -28,7 +28,7 @@ struct Shown {
         Material m;
         m.kind = MaterialKind::principled;
         m.roughness = {0.5f, -1, 1};
-        furnish(m, b);
+        add_objects(m, b);
         b.add(Rectangle{{-1, -1, 0}, {2, 0, 0}, {0, 2, 0}}, b.material(m));
         Light sun;
         sun.kind = LightKind::directional;
@@ -88,14 +88,14 @@ void enable_all_disney_lobes(Material& m, bool thin)
 using Number = std::pair<const char*, FloatInput Material::*>;
 
 /// A number times a texture channel equals the plain product, and changes the result.
-void expect_textured_numbers(const Shown& shown, void (*furnish)(Material&), std::span<const Number> numbers)
+void expect_textured_numbers(const Shown& shown, void (*add_objects)(Material&), std::span<const Number> numbers)
 {
     for (const auto& [name, member] : numbers)
         for (int channel = 0; channel < 3; ++channel) {
             const float factors[] = {0.5f, 0.75f, 0.625f};
             const auto render = [&](float times, bool textured) {
                 return shown.of([&](Material& m, SceneBuilder& b) {
-                    furnish(m);
+                    add_objects(m);
                     FloatInput& input = m.*member;
                     input.value *= times;
                     input.channel = channel;

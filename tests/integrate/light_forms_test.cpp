@@ -15,7 +15,7 @@ TEST(LightForms, Point)
 {
     const Vec3d at{0.3, 1.6, -0.2};
     Floor floor;
-    floor.furnish = [&](SceneBuilder& b) {
+    floor.add_objects = [&](SceneBuilder& b) {
         Light light;
         light.intensity = {5, 5, 5};
         b.light(light, Transform::translate(at));
@@ -51,7 +51,7 @@ void expect_spot(SpotFalloff falloff)
     const Vec3d at{0.3, 1.6, -0.2}, along = normalize(Vec3d{-0.5, -1, 0.1});
     const double inner = 0.3, outer = 0.75;
     Floor floor;
-    floor.furnish = [&](SceneBuilder& b) {
+    floor.add_objects = [&](SceneBuilder& b) {
         Light light;
         light.kind = LightKind::spot;
         light.intensity = {5, 5, 5};
@@ -95,7 +95,7 @@ TEST(LightForms, DirectionalAndItsDisk)
         // A disk entirely above the horizon gives the irradiance of its center; its radiance is scaled accordingly.
         for (double angle : {0.0, 0.1, 0.7}) {
             Floor floor;
-            floor.furnish = [&](SceneBuilder& b) {
+            floor.add_objects = [&](SceneBuilder& b) {
                 Light sun;
                 sun.kind = LightKind::directional;
                 sun.intensity = {5, 5, 5};
@@ -133,7 +133,7 @@ TEST(LightForms, RectanglesAndParallelograms)
                 Floor floor;
                 floor.light_sampling = light_sampling;
                 floor.samples = light_sampling ? 256 : 8192;
-                floor.furnish = [&](SceneBuilder& b) {
+                floor.add_objects = [&](SceneBuilder& b) {
                     b.add(Rectangle{lamp.corner, lamp.u, lamp.v}, b.diffuse(0, {3, 3, 3}, true));
                 };
                 floor.expect(p.x, p.z,
@@ -152,7 +152,7 @@ TEST(LightForms, Triangles)
         for (const Vec3d& p : floor_points) {
             Floor floor;
             floor.samples = 256;
-            floor.furnish = [&](SceneBuilder& b) {
+            floor.add_objects = [&](SceneBuilder& b) {
                 Mesh mesh;
                 for (const Vec3d& c : corners) mesh.positions.push_back({float(c.x), float(c.y), float(c.z)});
                 mesh.indices = {0, 1, 2};  // its normal points down
@@ -178,7 +178,7 @@ TEST(LightForms, TrianglesOfOneMesh)
             floor.samples = light_sampling ? 1024 : 8192;
             double expected = 0;
             for (const auto& triangle : corners) expected += 3 * polygon(triangle, p);
-            floor.furnish = [&](SceneBuilder& b) {
+            floor.add_objects = [&](SceneBuilder& b) {
                 Mesh mesh;
                 for (const auto& triangle : corners)
                     for (const Vec3d& c : triangle) {
@@ -204,7 +204,7 @@ TEST(LightForms, CopiesOfOneMesh)
         Floor floor;
         floor.light_sampling = light_sampling;
         floor.samples = light_sampling ? 256 : 8192;
-        floor.furnish = [&](SceneBuilder& b) {
+        floor.add_objects = [&](SceneBuilder& b) {
             Mesh mesh;
             for (const Vec3d& c : corners) mesh.positions.push_back({float(c.x), float(c.y), float(c.z)});
             mesh.indices = {0, 1, 2};
@@ -233,7 +233,7 @@ TEST(LightForms, Disk)
         Floor floor;
         floor.light_sampling = light_sampling;
         floor.samples = light_sampling ? 1024 : 8192;
-        floor.furnish = [&](SceneBuilder& b) { b.add(Disk{{0, h, 0}, {0, -2, 0}, r}, b.diffuse(0, {3, 3, 3})); };
+        floor.add_objects = [&](SceneBuilder& b) { b.add(Disk{{0, h, 0}, {0, -2, 0}, r}, b.diffuse(0, {3, 3, 3})); };
         for (double a : {0.0, 0.5, 1.5}) {
             if (!light_sampling && a > 0) continue;
             const double s = r * r + a * a + h * h;
@@ -252,7 +252,7 @@ TEST(LightForms, Sphere)
         Floor floor;
         floor.light_sampling = light_sampling;
         floor.samples = light_sampling ? 256 : 8192;
-        floor.furnish = [&](SceneBuilder& b) { b.add(Sphere{center, r, {}}, b.diffuse(0, {3, 3, 3})); };
+        floor.add_objects = [&](SceneBuilder& b) { b.add(Sphere{center, r, {}}, b.diffuse(0, {3, 3, 3})); };
         for (const Vec3d& p : floor_points) {
             if (!light_sampling && p.x != 0) continue;
             const Vec3d to = center - p;
@@ -270,7 +270,7 @@ TEST(LightForms, AllKindsTogether)
     point.intensity = {4, 4, 4};
     sun.kind = LightKind::directional;
     sun.intensity = {0.5f, 0.5f, 0.5f};
-    floor.furnish = [&](SceneBuilder& b) {
+    floor.add_objects = [&](SceneBuilder& b) {
         b.light(point, Transform::translate({1, 2, 0}));
         b.light(sun, rotate_to({0, -1, 1}));
         b.add(Rectangle{{-1, 3, -0.5}, {1, 0, 0}, {0, 0, 1}}, b.diffuse(0, {8, 8, 8}, true));
@@ -292,7 +292,7 @@ TEST(LightForms, SidesOfLamps)
             for (int kind = 0; kind < 4; ++kind) {
                 Floor floor;
                 floor.samples = 256;
-                floor.furnish = [&](SceneBuilder& b) {
+                floor.add_objects = [&](SceneBuilder& b) {
                     const int lamp = b.diffuse(0, {3, 3, 3});
                     const double up = upside_down ? 1 : -1;
                     Node node;
@@ -338,7 +338,7 @@ TEST(LightForms, ConstantAndGradientEnvironments)
     Environment sky;
     sky.kind = EnvironmentKind::constant;
     sky.color = {0.7f, 0.7f, 0.7f};
-    floor.furnish = [&](SceneBuilder& b) { b.scene.environment = sky; };
+    floor.add_objects = [&](SceneBuilder& b) { b.scene.environment = sky; };
     floor.expect(0.3, 0.1, 0.7 * std::numbers::pi);
     // Gradient: mix by (1 + cos) / 2 of the angle to its up direction. The cosine-weighted mean over the hemisphere is
     // 2/3 of the cosine between both up directions.
@@ -443,7 +443,7 @@ TEST_F(ImageEnvironment, LightsTheFloor)
                 Floor floor;
                 floor.light_sampling = light_sampling;
                 floor.samples = light_sampling ? 1024 : 8192;
-                floor.furnish = [&](SceneBuilder& b) { use(b, turn, {1, 0.5f, 2}); };
+                floor.add_objects = [&](SceneBuilder& b) { use(b, turn, {1, 0.5f, 2}); };
                 for (int way = 0; way < 4; ++way) {
                     const Mean m = floor.irradiance(0.3, 0.1, way);
                     const double factor[] = {1, 0.5, 2};
@@ -520,7 +520,7 @@ TEST_F(ImageEnvironment, IsSampledWhereItIsBright)
     write(5, 1, 1000, 0.001f);
     Floor floor;
     floor.samples = 256;
-    floor.furnish = [&](SceneBuilder& b) { use(b, {}); };
+    floor.add_objects = [&](SceneBuilder& b) { use(b, {}); };
     for (int way = 0; way < 4; ++way) {
         const Mean m = floor.irradiance(0, 0, way);
         // 16,384 samples with a relative variance of about 1 each.
@@ -532,13 +532,13 @@ TEST_F(ImageEnvironment, IsSampledWhereItIsBright)
 TEST(LightForms, Background)
 {
     Floor floor;
-    floor.furnish = [&](SceneBuilder& b) {
+    floor.add_objects = [&](SceneBuilder& b) {
         b.scene.environment.kind = EnvironmentKind::constant;
         b.scene.environment.color = {0.5f, 0.5f, 0.5f};
     };
     SceneBuilder b;
     b.add(Rectangle{{-50, 0, 50}, {100, 0, 0}, {0, 0, -100}}, b.diffuse(1));
-    floor.furnish(b);
+    floor.add_objects(b);
     b.camera({0, 1, 0}, {0, 0, 0}, 10);
     RenderSettings settings = small_image_settings(8, 8);
     settings.background = Color{7, 8, 9};

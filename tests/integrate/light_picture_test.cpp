@@ -57,7 +57,7 @@ struct Case {
     {
         Floor floor;
         floor.samples = 32;
-        floor.furnish = [&](SceneBuilder& b) {
+        floor.add_objects = [&](SceneBuilder& b) {
             b.scene.images.push_back(image);
             b.light(light, place);
         };
@@ -154,7 +154,7 @@ TEST(LightPictures, NodesThatStretchAndMirror)
     Floor floor;
     floor.samples = 16;
     const auto red = [&](const Transform& place) {
-        floor.furnish = [&](SceneBuilder& b) {
+        floor.add_objects = [&](SceneBuilder& b) {
             b.scene.images.push_back(plain.image);
             b.light(plain.light, place);
         };
@@ -360,12 +360,7 @@ TEST(LightPictures, SelectionOnlyChangesTheNoise)
     b.camera({0.5, 2, 5.5}, {0, 0.5, 0}, 50);
     RenderSettings settings = small_image_settings(24, 18);
     settings.max_depth = 2;
-    Mean means[3];
-    for (const LightSelection selection : {LightSelection::tree, LightSelection::power, LightSelection::uniform}) {
-        settings.light_selection = selection;
-        ++settings.seed;
-        means[int(selection)] = mean_of(render_film(b.scene, settings, 2048));
-    }
+    const std::array<Mean, 3> means = means_by_selection(b.scene, settings, 2048);
     const Mean& tree = means[int(LightSelection::tree)];
     for (const LightSelection other : {LightSelection::power, LightSelection::uniform})
         for (int c = 0; c < 3; ++c) {

@@ -140,12 +140,7 @@ TEST(LightSelections, OnlyChangeTheNoise)
         const SceneDescription scene = random_lights(seed);
         RenderSettings settings = small_image_settings(24, 18);
         settings.max_depth = 3;
-        Mean means[3];
-        for (const LightSelection selection : {LightSelection::tree, LightSelection::power, LightSelection::uniform}) {
-            settings.light_selection = selection;
-            ++settings.seed;
-            means[int(selection)] = mean_of(render_film(scene, settings, 256));
-        }
+        const std::array<Mean, 3> means = means_by_selection(scene, settings, 256);
         const Mean& tree = means[int(LightSelection::tree)];
         EXPECT_GT(tree.value[0], 0.01);
         EXPECT_LT(tree.error[0], 0.03 * tree.value[0]) << "seed " << seed;

@@ -169,7 +169,7 @@ TEST(MovingLights, SendWhatTheyDoFromWhereTheyAre)
                 Floor floor;
                 floor.samples = 512;
                 floor.shutter_close = 1;
-                floor.furnish = [&](SceneBuilder& b) {
+                floor.add_objects = [&](SceneBuilder& b) {
                     Shape shape = forms(&b)[kind].shape;
                     shape.material = b.diffuse(0, {3, 3, 3}, two_sided);
                     add_node(b, way.keys(), shape);
@@ -202,7 +202,7 @@ TEST(MovingLights, VerticesThatMove)
                 Floor floor;
                 floor.samples = 512;
                 floor.shutter_close = 1;
-                floor.furnish = [&](SceneBuilder& b) {
+                floor.add_objects = [&](SceneBuilder& b) {
                     Mesh mesh = triangle_mesh(sail);
                     for (int k = 0; k < 3; ++k) mesh.motion.push_back({times[k], triangle_mesh(keys[k]).positions, {}});
                     if (flipped) {
@@ -235,7 +235,7 @@ TEST(MovingLights, HaveLessNoiseThanWhatIsFoundByChance)
                 floor.samples = 256;
                 floor.shutter_close = 1;
                 floor.light_sampling = light_sampling;
-                floor.furnish = [&](SceneBuilder& b) {
+                floor.add_objects = [&](SceneBuilder& b) {
                     const int material = b.diffuse(0, {3, 3, 3}, true);
                     const Transform small = Transform::translate({0.3, 0.9, 0}) * Transform::scale({0.2, 0.2, 0.2});
                     if (kind == count) {
@@ -269,7 +269,7 @@ TEST(MovingLights, TurnTowardsTheFloor)
     Floor floor;
     floor.samples = 1024;
     floor.shutter_close = 1;
-    floor.furnish = [&](SceneBuilder& b) {
+    floor.add_objects = [&](SceneBuilder& b) {
         b.add(Sphere{{1, 1, 0}, 0.2, {}}, b.diffuse(0, {1, 1, 1}));
         add_node(b, way.keys(), {up, b.diffuse(0, {3, 3, 3}), ""});
     };
@@ -312,7 +312,7 @@ TEST(MovingLights, PointsSpotsProjectorsAndBeams)
             Floor floor;
             floor.samples = 512;
             floor.shutter_close = 1;
-            floor.furnish = [&](SceneBuilder& b) {
+            floor.add_objects = [&](SceneBuilder& b) {
                 Light light;
                 light.kind = kind;
                 if (projector) light.picture = {0, ColorSpace::linear, false}, light.fov = 1.6;
@@ -374,7 +374,7 @@ TEST(MovingLights, SpotsTurnTowardsTheFloor)
     Floor floor;
     floor.samples = 1024;
     floor.shutter_close = 1;
-    floor.furnish = [&](SceneBuilder& b) {
+    floor.add_objects = [&](SceneBuilder& b) {
         b.add(Sphere{{1, 1, 0}, 0.2, {}}, b.diffuse(0, {1, 1, 1}));
         Light light;
         light.kind = LightKind::spot;

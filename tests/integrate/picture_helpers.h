@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 
@@ -124,6 +125,16 @@ inline Film render_film(const SceneDescription& description, const RenderSetting
     return film;
 }
 
+/// Mean normal layer of an image of one pixel.
+inline Vec3d shown_normal(const SceneDescription& scene, std::uint64_t samples)
+{
+    RenderSettings settings = small_image_settings(1, 1);
+    settings.aovs = {Aov::normal};
+    const Image image = render_film(scene, settings, samples).image(false, false);
+    const auto& n = image.find("normal")->pixels;
+    return {n[0], n[1], n[2]};
+}
+
 struct Mean {
     double value[3] = {}, error[3] = {};  ///< image mean and its standard error
 };
@@ -141,6 +152,19 @@ inline Mean mean_of(const Film& film)
     }
     for (double& e : m.error) e = std::sqrt(e);
     return m;
+}
+
+/// Image means by light selection, each with its own seed.
+inline std::array<Mean, 3> means_by_selection(const SceneDescription& scene, RenderSettings settings,
+                                              std::uint64_t samples)
+{
+    std::array<Mean, 3> means;
+    for (const LightSelection selection : {LightSelection::tree, LightSelection::power, LightSelection::uniform}) {
+        settings.light_selection = selection;
+        ++settings.seed;
+        means[std::size_t(selection)] = mean_of(render_film(scene, settings, samples));
+    }
+    return means;
 }
 
 /// The image's mean is `expected` within four standard errors plus the relative tolerance.

@@ -79,28 +79,25 @@ class CachedCompiler(unittest.TestCase):
         self.first, self.second = (Clone(Path(folder.name).resolve() / name, Path(folder.name) / "cache")
                                    for name in ("first", "the second clone"))
 
+    def expect(self, clone, found, number):
+        self.assertEqual(clone.compile_all(), found)
+        self.assertEqual(clone.number(), number)
+
     def test_a_second_clone_finds_the_result(self):
-        self.assertEqual(self.first.compile_all(), "cache_miss")
-        self.assertEqual(self.second.compile_all(), "direct_cache_hit")
+        self.expect(self.first, "cache_miss", 21)
+        self.expect(self.second, "direct_cache_hit", 21)
         self.assertEqual(self.second.object(), self.first.object())
-        self.assertEqual(self.second.number(), 21)
 
     def test_a_changed_header_is_compiled_again(self):
-        self.first.compile_all()
+        self.expect(self.first, "cache_miss", 21)
         self.second.write_header(34)
-        self.assertEqual(self.second.compile_all(), "cache_miss")
-        self.assertEqual(self.second.number(), 34)
-        self.assertEqual(self.first.compile_all(), "direct_cache_hit")
-        self.assertEqual(self.first.number(), 21)
+        self.expect(self.second, "cache_miss", 34)
+        self.expect(self.first, "direct_cache_hit", 21)
 
     def test_a_header_that_changes_back_is_found(self):
-        self.first.compile_all()
-        self.first.write_header(34)
-        self.assertEqual(self.first.compile_all(), "cache_miss")
-        self.assertEqual(self.first.number(), 34)
-        self.first.write_header(21)
-        self.assertEqual(self.first.compile_all(), "direct_cache_hit")
-        self.assertEqual(self.first.number(), 21)
+        for found, number in (("cache_miss", 21), ("cache_miss", 34), ("direct_cache_hit", 21)):
+            self.first.write_header(number)
+            self.expect(self.first, found, number)
 
     def test_compiler_errors_are_errors(self):
         (self.first.folder / "src/numbers.h").write_text("#error no numbers\n")

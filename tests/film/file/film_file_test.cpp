@@ -10,12 +10,14 @@
 #include "fathom/error.h"
 #include "film/made_film.h"
 #include "image/pictures.h"
+#include "support/error_message.h"
 
 namespace fathom {
 namespace {
 
 namespace fs = std::filesystem;
 using test::bytes_of;
+using test::error_text;
 using test::TemporaryFolder;
 
 constexpr int width = 7, height = 5;
@@ -54,16 +56,6 @@ void expect_same(const Film& a, const Film& b)
     EXPECT_EQ(a.samples(), b.samples());
     EXPECT_EQ(a.dropped_samples(), b.dropped_samples());
     EXPECT_EQ(a.key().text(), b.key().text());
-}
-
-std::string message_of(const std::function<void()>& action)
-{
-    try {
-        action();
-    } catch (const Error& error) {
-        return error.what();
-    }
-    return "";
 }
 
 void overwrite(const fs::path& file, const std::vector<char>& bytes)
@@ -166,7 +158,7 @@ TEST(FilmFile, RejectsAFilmOfAnotherScene)
     Film overlapping = some_film(2, 4), other = some_film(5, 6, {Aov::depth});
     for (Film* film : {&overlapping, &other}) {
         const Film::Sums before = film->sums();
-        const std::string message = message_of([&] { file.add_to(*film); });
+        const std::string message = error_text([&] { file.add_to(*film); });
         EXPECT_NE(message.find("a.exr: "), std::string::npos) << message;
         EXPECT_NE(message.find(film == &other ? "aovs is , not 2" : "overlap"), std::string::npos) << message;
         EXPECT_EQ(film->sums().words, before.words);
@@ -189,7 +181,7 @@ TEST(FilmFile, DetectsAnyDamage)
     };
     for (std::size_t at = 0; at < good.size(); ++at) {
         put(at, char(good[at] ^ (1 << at % 8)));
-        const std::string message = message_of([&] { FilmFile(file).read(); });
+        const std::string message = error_text([&] { FilmFile(file).read(); });
         EXPECT_NE(message.find("a.exr"), std::string::npos) << at << " " << message;
         EXPECT_EQ(message.find('\n'), std::string::npos);
         put(at, good[at]);
@@ -205,14 +197,14 @@ TEST(FilmFile, TellsWhatIsNone)
 {
     const TemporaryFolder folder;
     const fs::path file = folder.path() / "a.exr";
-    EXPECT_NE(message_of([&] { FilmFile f(file); }).find("No such file"), std::string::npos);
-    EXPECT_NE(message_of([&] { FilmFile f(folder.path()); }).find("this is not a file"), std::string::npos);
+    EXPECT_NE(error_text([&] { FilmFile f(file); }).find("No such file"), std::string::npos);
+    EXPECT_NE(error_text([&] { FilmFile f(folder.path()); }).find("this is not a file"), std::string::npos);
     ASSERT_EQ(mkfifo((folder.path() / "pipe").c_str(), 0600), 0);
-    EXPECT_NE(message_of([&] { FilmFile f(folder.path() / "pipe"); }).find("this is not a file"), std::string::npos);
+    EXPECT_NE(error_text([&] { FilmFile f(folder.path() / "pipe"); }).find("this is not a file"), std::string::npos);
     write_image(file, test::make_test_image(4, 4), {});
-    EXPECT_NE(message_of([&] { FilmFile f(file); }).find("--mergeable"), std::string::npos);
+    EXPECT_NE(error_text([&] { FilmFile f(file); }).find("--mergeable"), std::string::npos);
     write_image(folder.path() / "a.png", test::make_test_image(4, 4), {});
-    EXPECT_NE(message_of([&] { FilmFile f(folder.path() / "a.png"); }).find("film files are OpenEXR"),
+    EXPECT_NE(error_text([&] { FilmFile f(folder.path() / "a.png"); }).find("film files are OpenEXR"),
               std::string::npos);
     EXPECT_THROW(write_film(file, some_film(0, 1), test::make_test_image(4, 4), {}), Error);
 }
@@ -249,7 +241,7 @@ TEST(FilmFile, AllocatesOnlyStoredData)
                             {"fathom.sums.checksum", std::string(16, '0')}};
         write_image(file, image, {});
         fs::resize_file(file, fs::file_size(file) + length);
-        const std::string message = message_of([&] { FilmFile(file).read(); });
+        const std::string message = error_text([&] { FilmFile(file).read(); });
         EXPECT_NE(message.find("not of 65535x65535 pixels"), std::string::npos) << message;
     }
 }
@@ -288,7 +280,7 @@ TEST(FilmSnapshot, LeavesTheEarlierFileWhenTheDiskIsFull)
     for (rlim_t limit : {0, 1, 100, 2000}) {
         const rlimit small{limit, old.rlim_max};
         setrlimit(RLIMIT_FSIZE, &small);
-        const std::string message = message_of([&] { snapshot.write(file, folder.path() / "b.exr"); });
+        const std::string message = error_text([&] { snapshot.write(file, folder.path() / "b.exr"); });
         setrlimit(RLIMIT_FSIZE, &old);
         EXPECT_NE(message.find("can't write: "), std::string::npos) << limit << " " << message;
         EXPECT_EQ(bytes_of(file), before);
