@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
-#include <memory>
 
 #include "commands/commands.h"
 #include "fathom/save.h"
@@ -11,6 +10,14 @@
 namespace fathom::cli {
 
 namespace {
+
+constexpr CommandText command_text{
+    "convert", "Convert a scene or model to a Fathom scene file or to GLB",
+    "A converted JSON scene renders to the same bits. Meshes, curves, points and embedded images go to a folder\n"
+    "beside it, named after it (scene.json: scene-files); image files are referred to where they are.\n"
+    "GLB is one file, for other programs. Fathom warns about what glTF can't represent, and leaves it out.\n\n"
+    "Examples:\n  fathom convert model.glb scene.json\n  fathom convert scene.pbrt model.glb\n\n"
+    "Exit codes: 0 success; 1 error; 2 wrong usage."};
 
 struct ConvertOptions {
     SceneOptions scene;
@@ -36,23 +43,18 @@ int run_convert(const ConvertOptions& o)
     return exit_ok;
 }
 
+void add_options(Command& command, ConvertOptions& o)
+{
+    add_file_options(command, o.scene);
+    command.add_positional("OUTPUT", o.output, "file to write, *.json or *.glb");
+    add_quiet_option(command, o.quiet);
+}
+
 }  // namespace
 
 void add_convert(CLI::App& program, Run& run)
 {
-    const auto options = std::make_shared<ConvertOptions>();
-    Command command(program, "convert", "Convert a scene or model to a Fathom scene file or to GLB");
-    add_file_options(command, options->scene);
-    command.add_positional("OUTPUT", options->output, "file to write, *.json or *.glb");
-    command.begin_group("Reporting and debugging");
-    command.add_flag({"-q,--quiet", "", "print only errors", ""}, options->quiet);
-    command.set_footer(
-        "A converted JSON scene renders to the same bits. Meshes, curves, points and embedded images go to a folder\n"
-        "beside it, named after it (scene.json: scene-files); image files are referred to where they are.\n"
-        "GLB is one file, for other programs. Fathom warns about what glTF can't represent, and leaves it out.\n\n"
-        "Examples:\n  fathom convert model.glb scene.json\n  fathom convert scene.pbrt model.glb\n\n"
-        "Exit codes: 0 success; 1 error; 2 wrong usage.");
-    command.set_run(run, [options] { return run_convert(*options); });
+    add_command(program, run, command_text, add_options, run_convert);
 }
 
 }  // namespace fathom::cli

@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <memory>
 #include <nlohmann/json.hpp>
 
 #include "commands/commands.h"
@@ -11,6 +10,14 @@
 namespace fathom::cli {
 
 namespace {
+
+constexpr CommandText command_text{
+    "info", "Describe a scene, model or film file",
+    "For a scene: format, files, counts, sizes, memory, cameras, lights, materials and their features, images,\n"
+    "settings in the file, and what is ignored or approximated. For a film file: its samples and the missing\n"
+    "ones, seed, settings, layers and noise; the whole file is read, so that damage is detected.\n\n"
+    "Examples:\n  fathom info model.glb\n  fathom info scene.json --json\n  fathom info film.exr\n\n"
+    "Exit codes: 0 success; 1 error; 2 wrong usage."};
 
 struct InfoOptions {
     SceneOptions scene;
@@ -30,22 +37,17 @@ int run_info(const InfoOptions& o)
     return exit_ok;
 }
 
+void add_options(Command& command, InfoOptions& o)
+{
+    add_file_options(command, o.scene);
+    add_json_option(command, o.json);
+}
+
 }  // namespace
 
 void add_info(CLI::App& program, Run& run)
 {
-    const auto options = std::make_shared<InfoOptions>();
-    Command command(program, "info", "Describe a scene, model or film file");
-    add_file_options(command, options->scene);
-    command.begin_group("Reporting and debugging");
-    command.add_flag({"--json", "", "print JSON", ""}, options->json);
-    command.set_footer(
-        "For a scene: format, files, counts, sizes, memory, cameras, lights, materials and their features, images,\n"
-        "settings in the file, and what is ignored or approximated. For a film file: its samples and the missing\n"
-        "ones, seed, settings, layers and noise; the whole file is read, so that damage is detected.\n\n"
-        "Examples:\n  fathom info model.glb\n  fathom info scene.json --json\n  fathom info film.exr\n\n"
-        "Exit codes: 0 success; 1 error; 2 wrong usage.");
-    command.set_run(run, [options] { return run_info(*options); });
+    add_command(program, run, command_text, add_options, run_info);
 }
 
 }  // namespace fathom::cli

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
 #include <algorithm>
-#include <memory>
 
 #include "commands/commands.h"
 #include "fathom/error.h"
@@ -19,6 +18,16 @@
 namespace fathom::cli {
 
 namespace {
+
+constexpr CommandText command_text{
+    "merge", "Merge film files of one scene into one image",
+    "The result is bit for bit the image of one run. Parts can be given in any order; missing samples are "
+    "reported.\n\n"
+    "Examples:\n"
+    "  fathom render scene.json --samples 0:64 -o a.exr\n"
+    "  fathom render scene.json --samples 64:128 -o b.exr\n"
+    "  fathom merge a.exr b.exr -o all.exr -o all.png\n\n"
+    "Exit codes: 0 success; 1 error; 2 wrong usage."};
 
 struct MergeOptions {
     std::vector<std::filesystem::path> parts;
@@ -119,34 +128,26 @@ int run_merge(const MergeOptions& o)
     return all_written ? exit_ok : exit_error;
 }
 
-}  // namespace
-
-void add_merge(CLI::App& program, Run& run)
+void add_options(Command& command, MergeOptions& o)
 {
-    const auto options = std::make_shared<MergeOptions>();
-    Command command(program, "merge", "Merge film files of one scene into one image");
     command.add_positionals(
-        "PART", options->parts,
-        "film files, written by `fathom render` with --part, --samples, --mergeable or --checkpoint");
-    add_image_options(command, options->images, "");
+        "PART", o.parts, "film files, written by `fathom render` with --part, --samples, --mergeable or --checkpoint");
+    add_image_options(command, o.images, "");
     add_machine_options(command);
     command.begin_group("Merging");
     command.add_flag({"--skip-overlaps", "", "skip parts with samples that an earlier part has, and report them",
                       "overlaps are an error"},
-                     options->skip_overlaps);
+                     o.skip_overlaps);
     command.add_flag({"--no-sums", "", "leave the sums out of EXR: the file is smaller, but can't be merged again", ""},
-                     options->no_sums);
-    command.begin_group("Reporting and debugging");
-    command.add_flag({"-q,--quiet", "", "print only errors", ""}, options->quiet);
-    command.set_footer(
-        "The result is bit for bit the image of one run. Parts can be given in any order; missing samples are "
-        "reported.\n\n"
-        "Examples:\n"
-        "  fathom render scene.json --samples 0:64 -o a.exr\n"
-        "  fathom render scene.json --samples 64:128 -o b.exr\n"
-        "  fathom merge a.exr b.exr -o all.exr -o all.png\n\n"
-        "Exit codes: 0 success; 1 error; 2 wrong usage.");
-    command.set_run(run, [options] { return run_merge(*options); });
+                     o.no_sums);
+    add_quiet_option(command, o.quiet);
+}
+
+}  // namespace
+
+void add_merge(CLI::App& program, Run& run)
+{
+    add_command(program, run, command_text, add_options, run_merge);
 }
 
 }  // namespace fathom::cli

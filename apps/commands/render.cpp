@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
-#include <memory>
 
 #include "commands/commands.h"
 #include "distributed/ranks/ranks.h"
@@ -18,6 +17,23 @@
 namespace fathom::cli {
 
 namespace {
+
+constexpr CommandText command_text{
+    "render", "Render a scene or model file to images",
+    "An option overrides what the scene file says.\n"
+    "Ctrl-C, SIGTERM or SIGHUP once writes the image and checkpoint so far (exit code 130); twice stops at once.\n"
+    "SIGUSR1 writes them and continues. docs/long-renders.md explains checkpoints and parts.\n\n"
+    "Examples:\n"
+    "  fathom render scene.json --spp 1024 -o out.exr -o out.png\n"
+    "  fathom render model.glb --time 10m --orbit 45,20 --env sky.hdr\n"
+    "  fathom render scene.json --size 1920x1080 --aov albedo,normal,variance -o out.exr\n"
+    "  fathom render model.glb --frames 0:119 --fps 24 -o frame.####.png\n"
+    "  fathom render model.glb --turntable 36 -o view.##.png\n"
+    "  fathom render scene.json --spp 4096 --checkpoint film.exr -o a.png      run again to continue\n"
+    "  fathom render scene.json --spp 1024 --part 3/16 -o part3.exr      fathom merge joins the parts\n"
+    "  mpirun -n 8 fathom render scene.json -o out.exr      one image by 8 processes (docs/clusters.md)\n"
+    "  fathom render scene.json --only-sample 400,300,7      replay one sample\n\n"
+    "Exit codes: 0 success; 1 error; 2 wrong usage; 130 interrupted."};
 
 /// Compiles the scene with its light, whose backdrop and exposure go into the plan.
 ///
@@ -128,37 +144,25 @@ int run_with_json_errors(RenderOptions& o, Reporter& reporter)
     }
 }
 
+int run_reported(RenderOptions& o)
+{
+    Reporter reporter(o.json ? ReportMode::json : o.quiet ? ReportMode::quiet : default_report_mode());
+    return o.json ? run_with_json_errors(o, reporter) : run_render(o, reporter);
+}
+
+void add_options(Command& command, RenderOptions& o)
+{
+    add_scene_options(command, o.scene);
+    add_render_options(command, o);
+    add_settings_options(command, o.settings);
+    add_image_options(command, o.images, "SCENE.png in the current folder; with --checkpoint, no other file");
+}
+
 }  // namespace
 
 void add_render(CLI::App& program, Run& run)
 {
-    const auto options = std::make_shared<RenderOptions>();
-    Command command(program, "render", "Render a scene or model file to images");
-    add_scene_options(command, options->scene);
-    add_render_options(command, *options);
-    add_settings_options(command, options->settings);
-    add_image_options(command, options->images, "SCENE.png in the current folder; with --checkpoint, no other file");
-    command.set_footer(
-        "An option overrides what the scene file says.\n"
-        "Ctrl-C, SIGTERM or SIGHUP once writes the image and checkpoint so far (exit code 130); twice stops at once.\n"
-        "SIGUSR1 writes them and goes on. docs/long-renders.md explains checkpoints and parts.\n\n"
-        "Examples:\n"
-        "  fathom render scene.json --spp 1024 -o out.exr -o out.png\n"
-        "  fathom render model.glb --time 10m --orbit 45,20 --env sky.hdr\n"
-        "  fathom render scene.json --size 1920x1080 --aov albedo,normal,variance -o out.exr\n"
-        "  fathom render model.glb --frames 0:119 --fps 24 -o frame.####.png\n"
-        "  fathom render model.glb --turntable 36 -o view.##.png\n"
-        "  fathom render scene.json --spp 4096 --checkpoint film.exr -o a.png      run again to continue\n"
-        "  fathom render scene.json --spp 1024 --part 3/16 -o part3.exr      fathom merge joins the parts\n"
-        "  mpirun -n 8 fathom render scene.json -o out.exr      one image by 8 processes (docs/clusters.md)\n"
-        "  fathom render scene.json --only-sample 400,300,7      replay one sample\n\n"
-        "Exit codes: 0 success; 1 error; 2 wrong usage; 130 interrupted.");
-    command.set_run(run, [options] {
-        Reporter reporter(options->json    ? ReportMode::json
-                          : options->quiet ? ReportMode::quiet
-                                           : default_report_mode());
-        return options->json ? run_with_json_errors(*options, reporter) : run_render(*options, reporter);
-    });
+    add_command(program, run, command_text, add_options, run_reported);
 }
 
 }  // namespace fathom::cli

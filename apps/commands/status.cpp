@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
-#include <memory>
 #include <nlohmann/json.hpp>
 
 #include "commands/commands.h"
@@ -12,6 +11,11 @@
 namespace fathom::cli {
 
 namespace {
+
+constexpr CommandText command_text{"status", "Report the progress of a submitted image, part by part",
+                                   "Example:\n"
+                                   "  fathom status out.exr\n\n"
+                                   "Exit codes: 0 success; 1 error; 2 wrong usage."};
 
 using nlohmann::ordered_json;
 
@@ -84,9 +88,9 @@ void print_text(const JobPlan& plan, const JobStatus& status)
 
 ordered_json to_json(const JobPlan& plan, const JobStatus& status)
 {
-    ordered_json json{{"picture", plan.outputs.front().string()}, {"samples_per_pixel", plan.samples},
-                      {"samples_done", status.samples},           {"scheduler_answers", status.scheduler_answers},
-                      {"merge_waits", status.merge_waits},        {"merged", status.merged.has_value()}};
+    ordered_json json{{"image", plan.outputs.front().string()}, {"samples_per_pixel", plan.samples},
+                      {"samples_done", status.samples},         {"scheduler_answers", status.scheduler_answers},
+                      {"merge_waits", status.merge_waits},      {"merged", status.merged.has_value()}};
     if (status.noise > 0) json["noise"] = status.noise;
     if (status.left_s) json["left_s"] = *status.left_s;
     json["parts"] = ordered_json::array();
@@ -112,20 +116,17 @@ int run_status(const StatusOptions& o)
     return exit_ok;
 }
 
+void add_options(Command& command, StatusOptions& o)
+{
+    command.add_positional("IMAGE", o.image, "the -o of `fathom submit`");
+    add_json_option(command, o.json);
+}
+
 }  // namespace
 
 void add_status(CLI::App& program, Run& run)
 {
-    const auto options = std::make_shared<StatusOptions>();
-    Command command(program, "status", "Report the progress of a submitted image, part by part");
-    command.add_positional("IMAGE", options->image, "the -o of `fathom submit`");
-    command.begin_group("Reporting and debugging");
-    command.add_flag({"--json", "", "print JSON", ""}, options->json);
-    command.set_footer(
-        "Example:\n"
-        "  fathom status out.exr\n\n"
-        "Exit codes: 0 success; 1 error; 2 wrong usage.");
-    command.set_run(run, [options] { return run_status(*options); });
+    add_command(program, run, command_text, add_options, run_status);
 }
 
 }  // namespace fathom::cli

@@ -17,6 +17,17 @@ namespace fathom::cli {
 
 namespace {
 
+constexpr CommandText command_text{
+    "submit", "Render an image in parts on a cluster, or submit its missing parts",
+    "SCENE and the image must be in folders that all nodes of the cluster see. Parts are kept beside the image,\n"
+    "in a folder named IMAGE.parts; a task that is started again continues from its part.\n\n"
+    "Examples:\n"
+    "  fathom submit scene.json --spp 4096 --slurm --parts 64 --time 30:00 -o out.exr\n"
+    "  fathom status out.exr                         report their progress\n"
+    "  fathom submit --fix out.exr                   submit the missing parts\n"
+    "  fathom submit scene.json --slurm --parts 64 -o out.exr --dry-run\n\n"
+    "Exit codes: 0 success; 1 error; 2 wrong usage."};
+
 namespace fs = std::filesystem;
 
 struct SubmitOptions {
@@ -63,7 +74,7 @@ void check_usage(const SubmitOptions& o)
 {
     if (!o.slurm) throw UsageError("--slurm: name the scheduler (Slurm is the only one)");
     if (o.images.outputs.empty()) throw UsageError("-o: name the image to write, in a folder that all nodes see");
-    if (o.parts == 0) throw UsageError("--parts: say into how many tasks the samples are split");
+    if (o.parts == 0) throw UsageError("--parts: choose the number of tasks");
 }
 
 /// Samples per pixel. Loads the scene, so that its errors show before anything is submitted.
@@ -131,12 +142,10 @@ void add_scheduler_options(Command& command, SubmitOptions& o)
                           for (const std::string& word : split(text, ' '))
                               if (!word.empty()) o.scheduler.push_back(word);
                       });
-    command.add_flag({"--fix", "", "SCENE is an image that was submitted before: submit what is missing of it", ""},
-                     o.fix);
+    command.add_flag({"--fix", "", "SCENE is an image that was submitted before: submit its missing parts", ""}, o.fix);
     command.add_flag({"--dry-run", "", "print the scripts and submit nothing", ""}, o.dry_run);
     command.add_flag({"--unchecked", "", "skip the test whether a node sees scene and folder", ""}, o.unchecked);
-    command.begin_group("Reporting and debugging");
-    command.add_flag({"-q,--quiet", "", "print only errors", ""}, o.quiet);
+    add_quiet_option(command, o.quiet);
 }
 
 }  // namespace
@@ -144,8 +153,7 @@ void add_scheduler_options(Command& command, SubmitOptions& o)
 void add_submit(CLI::App& program, Run& run)
 {
     const auto o = std::make_shared<SubmitOptions>();
-    const auto command = std::make_shared<Command>(
-        program, "submit", "Render an image in parts on a cluster, or submit what is missing of it");
+    const auto command = std::make_shared<Command>(program, command_text);
     const std::size_t first = command->option_count();
     add_scene_options(*command, o->scene);
     add_film_options(*command, o->film);
@@ -156,15 +164,6 @@ void add_submit(CLI::App& program, Run& run)
     const std::size_t last = command->option_count();
     add_spp_option(*command, o->samples, "samples per pixel of the whole image", default_render_samples);
     add_scheduler_options(*command, *o);
-    command->set_footer(
-        "SCENE and the image must be in folders that all nodes of the cluster see. Parts are kept beside the image,\n"
-        "in a folder named IMAGE.parts; a task that is started again continues from its part.\n\n"
-        "Examples:\n"
-        "  fathom submit scene.json --spp 4096 --slurm --parts 64 --time 30:00 -o out.exr\n"
-        "  fathom status out.exr                         report their progress\n"
-        "  fathom submit --fix out.exr                   submit what is missing\n"
-        "  fathom submit scene.json --slurm --parts 64 -o out.exr --dry-run\n\n"
-        "Exit codes: 0 success; 1 error; 2 wrong usage.");
     command->set_run(run, [o, command, first, first_of_merge, last] {
         o->render_words = command->given_options(first, first_of_merge);
         o->merge_words = command->given_options(first_of_merge, last);

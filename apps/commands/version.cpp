@@ -38,9 +38,9 @@ int run_version()
 
 void add_version(CLI::App& program, Run& run)
 {
-    Command command(program, "version", "Print the version, the SIMD width in use, libraries and modules");
-    command.set_footer("Example:\n  fathom version\n\nExit codes: 0 success; 2 wrong usage.");
-    command.set_run(run, [] { return run_version(); });
+    Command command(program, {"version", "Print the version, the SIMD width in use, libraries and modules",
+                              "Example:\n  fathom version\n\nExit codes: 0 success; 2 wrong usage."});
+    command.set_run(run, run_version);
 }
 
 }  // namespace fathom::cli

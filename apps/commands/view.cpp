@@ -2,7 +2,6 @@
 #include <fmt/format.h>
 
 #include <filesystem>
-#include <memory>
 #include <optional>
 
 #include "commands/commands.h"
@@ -22,6 +21,13 @@
 namespace fathom::cli {
 
 namespace {
+
+constexpr CommandText command_text{"view", "Show a scene in a window while it is rendered",
+                                   "H in the window lists mouse and keys; docs/view.md explains them.\n\n"
+                                   "Examples:\n"
+                                   "  fathom view model.glb\n"
+                                   "  fathom view scene.json --size 1280x720 --exposure 1 --tonemap filmic\n\n"
+                                   "Exit codes: 0 success; 1 error, such as no display; 2 wrong usage."};
 
 struct ViewOptions {
     SceneOptions scene;
@@ -88,29 +94,24 @@ int run_view(ViewOptions& o)
     return exit_ok;
 }
 
+void add_options(Command& command, ViewOptions& o)
+{
+    add_scene_options(command, o.scene);
+    add_spp_option(command, o.samples, "samples per pixel after which rendering pauses", default_view_samples);
+    add_settings_options(command, o.settings);
+    add_display_options(command, o.images);
+    command.begin_group("Reporting and debugging");
+    command.add_value({"--log-latency", "FILE", "write the latency of each camera move, in milliseconds, as CSV", ""},
+                      [&o](const std::string& text) { o.latency_log = text; });
+    command.add_value({"--script-moves", "N", "move the camera N times, print the latencies, and quit", ""},
+                      [&o](const std::string& text) { o.script_moves = int(parse_integer(text, 1, 1000000)); });
+}
+
 }  // namespace
 
 void add_view(CLI::App& program, Run& run)
 {
-    const auto options = std::make_shared<ViewOptions>();
-    Command command(program, "view", "Show a scene in a window while it is rendered");
-    add_scene_options(command, options->scene);
-    add_spp_option(command, options->samples, "samples per pixel after which rendering pauses", default_view_samples);
-    add_settings_options(command, options->settings);
-    add_display_options(command, options->images);
-    command.begin_group("Reporting and debugging");
-    command.add_value({"--log-latency", "FILE", "write the latency of each camera move, in milliseconds, as CSV", ""},
-                      [o = options.get()](const std::string& text) { o->latency_log = text; });
-    command.add_value(
-        {"--script-moves", "N", "move the camera N times, print the latencies, and quit", ""},
-        [o = options.get()](const std::string& text) { o->script_moves = int(parse_integer(text, 1, 1000000)); });
-    command.set_footer(
-        "H in the window lists mouse and keys; docs/view.md explains them.\n\n"
-        "Examples:\n"
-        "  fathom view model.glb\n"
-        "  fathom view scene.json --size 1280x720 --exposure 1 --tonemap filmic\n\n"
-        "Exit codes: 0 success; 1 error, such as no display; 2 wrong usage.");
-    command.set_run(run, [options] { return run_view(*options); });
+    add_command(program, run, command_text, add_options, run_view);
 }
 
 }  // namespace fathom::cli

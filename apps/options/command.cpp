@@ -58,9 +58,10 @@ Command::ValueHandler with_option_name(const std::string& name, Command::ValueHa
 
 }  // namespace
 
-Command::Command(CLI::App& program, const std::string& name, const std::string& description)
-    : app_(*program.add_subcommand(name, description))
+Command::Command(CLI::App& program, const CommandText& text)
+    : app_(*program.add_subcommand(text.name, text.description))
 {
+    app_.footer(text.footer);
     app_.formatter(std::make_shared<HelpFormatter>());
     app_.set_help_flag("-h,--help", "print this help and exit");
 }
@@ -145,14 +146,21 @@ std::vector<std::string> Command::given_options(std::size_t first, std::size_t l
     return words;
 }
 
-void Command::set_footer(const std::string& text)
-{
-    app_.footer(text);
-}
-
 void Command::set_run(Run& run, Run action)
 {
     app_.final_callback([&run, action = std::move(action)] { run = action; });
+}
+
+void add_json_option(Command& command, bool& json)
+{
+    command.begin_group("Reporting and debugging");
+    command.add_flag({"--json", "", "print JSON", ""}, json);
+}
+
+void add_quiet_option(Command& command, bool& quiet)
+{
+    command.begin_group("Reporting and debugging");
+    command.add_flag({"-q,--quiet", "", "print only errors", ""}, quiet);
 }
 
 }  // namespace fathom::cli

@@ -2,6 +2,7 @@
 #pragma once
 #include <filesystem>
 #include <functional>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -17,10 +18,16 @@ struct OptionText {
     std::string default_text;  ///< what holds without the option; empty: nothing to say
 };
 
+/// The texts of a command in --help and in docs/cli.md.
+struct CommandText {
+    const char *name, *description;
+    const char* footer;  ///< examples and exit codes
+};
+
 /// One command and its options. CLI11 takes seconds to compile, so only command.cpp and program.cpp include it.
 class Command {
 public:
-    Command(CLI::App& program, const std::string& name, const std::string& description);
+    Command(CLI::App& program, const CommandText& text);
 
     /// Options added from here on are listed under this heading.
     void begin_group(const std::string& heading) { group_ = heading; }
@@ -45,8 +52,6 @@ public:
     /// and options of add_files are left out.
     std::vector<std::string> given_options(std::size_t first, std::size_t last) const;
 
-    /// Text at the end of --help.
-    void set_footer(const std::string& text);
     /// Assigns `action` to `run` if the command line names this command.
     void set_run(Run& run, Run action);
 
@@ -57,5 +62,20 @@ private:
     std::string group_ = "Options";
     std::vector<const CLI::Option*> file_lists_;  ///< created by add_files
 };
+
+/// Adds a command that fills options of its own and runs with them.
+template <class Options, class RunCommand>
+void add_command(CLI::App& program, Run& run, const CommandText& text, void (*add_options)(Command&, Options&),
+                 RunCommand run_command)
+{
+    const auto options = std::make_shared<Options>();
+    Command command(program, text);
+    add_options(command, *options);
+    command.set_run(run, [options, run_command] { return run_command(*options); });
+}
+
+/// Options that several commands have, in the group for reporting.
+void add_json_option(Command& command, bool& json);
+void add_quiet_option(Command& command, bool& quiet);
 
 }  // namespace fathom::cli

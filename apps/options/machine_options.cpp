@@ -27,10 +27,10 @@ void raise_niceness(int increment)
 void add_machine_options(Command& command)
 {
     command.begin_group("Machine");
-    command.add_value(
-        {"--memory", "SIZE", "memory limit, such as 8G, 512M or 1.5GiB; what needs more fails before it starts",
-         "the free memory, within the container's limit"},
-        [](const std::string& text) { limit_memory(parse_bytes(text), "--memory"); });
+    command.add_value({"--memory", "SIZE",
+                       "memory limit, such as 8G, 512M or 1.5GiB; a render that needs more fails before it starts",
+                       "the free memory, within the container's limit"},
+                      [](const std::string& text) { limit_memory(parse_bytes(text), "--memory"); });
     command.add_value({"--nice", "N", "lower the priority of the process by 0 to 19, as `nice -n N` does", "0"},
                       [](const std::string& text) { raise_niceness(int(parse_integer(text, 0, 19))); });
 }

@@ -75,7 +75,7 @@ void add_series_options(Command& command, SeriesOptions& o)
     command.add_value({"--fps", "N", "frames per second", "24"},
                       [&](const std::string& text) { o.fps = parse_number(text, 1e-3, 1e6); });
     command.add_value({"--shutter", "SHARE",
-                       "motion blur: share of a frame's time during which the shutter is open; film has 0.5", "0"},
+                       "motion blur: fraction of a frame's time during which the shutter is open; 0.5 in film", "0"},
                       [&](const std::string& text) { o.shutter = parse_number(text, 0, 1000); });
     command.add_value({"--turntable", "N",
                        "render N images around the scene, at one distance, starting from --orbit or --view; the light "
@@ -106,7 +106,7 @@ void check_checkpoint(const RenderOptions& o)
     const CheckpointOptions& checkpoint = o.checkpoint;
     if (checkpoint.file.empty()) {
         if (checkpoint.every_s)
-            throw UsageError("--every: says how often --checkpoint is written; add --checkpoint FILE.exr");
+            throw UsageError("--every: sets how often --checkpoint is written; add --checkpoint FILE.exr");
         return;
     }
     if (o.series.frames.size() > 1)

@@ -157,7 +157,7 @@ void add_scene_options(Command& command, SceneOptions& o)
     command.add_value({"--build", "fast|standard|high|compact",
                        "bounding volume hierarchy: fast builds sooner, high renders faster, compact takes a third less "
                        "memory, for tens of millions of triangles; the image is the same",
-                       "standard, or high if the samples are many enough"},
+                       "standard, or high for many samples"},
                       [&](const std::string& text) { o.build = TreeBuild(parse_choice(text, tree_build_names)); });
 }
 

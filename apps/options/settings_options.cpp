@@ -55,7 +55,7 @@ void add_path_options(Command& command, SettingsOptions& o)
 void add_settings_options(Command& command, SettingsOptions& o)
 {
     command.begin_group("Sampling");
-    command.add_value({"--seed", "N", "random seed; another seed gives other noise", "0"},
+    command.add_value({"--seed", "N", "random seed, which changes the noise", "0"},
                       [&](const std::string& text) { o.seed = std::uint32_t(parse_integer(text, 0, 0xffffffffu)); });
     command.add_value({"--filter", "NAME", "reconstruction filter: box, gaussian, blackman-harris or tent",
                        "the scene's, else blackman-harris"},
@@ -65,14 +65,15 @@ void add_settings_options(Command& command, SettingsOptions& o)
                       [&](const std::string& text) { o.filter_radius = parse_number(text, 0.01, max_filter_radius); });
     add_path_options(command, o);
     command.begin_group("Light and background");
-    command.add_value({"--background", "COLOR",
-                       "what the camera sees behind the scene; it lights nothing. #rrggbb (sRGB), r,g,b (linear), "
-                       "black, white, or transparent (alpha in EXR and PNG, black in a window)",
-                       "the scene's, else its environment"},
-                      [&](const std::string& text) {
-                          o.transparent = text == "transparent";
-                          o.background = o.transparent ? Color{0, 0, 0} : parse_color(text);
-                      });
+    command.add_value(
+        {"--background", "COLOR",
+         "background that the camera sees; it does not illuminate the scene. #rrggbb (sRGB), r,g,b (linear), "
+         "black, white, or transparent (alpha in EXR and PNG, black in a window)",
+         "the scene's, else its environment"},
+        [&](const std::string& text) {
+            o.transparent = text == "transparent";
+            o.background = o.transparent ? Color{0, 0, 0} : parse_color(text);
+        });
     command.begin_group("Machine");
     command.add_value({"--threads", "N", "number of threads; the image does not depend on it",
                        "all cores that the process may use, within the container's limit"},

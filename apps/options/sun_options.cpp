@@ -27,26 +27,37 @@ std::optional<int> parse_zone(const std::string& text)
     return (text[0] == '-' ? -1 : 1) * (60 * hours + minutes);
 }
 
+struct Date {
+    int year = 0, month = 0, day = 0, hour = 0, minute = 0, second = 0;
+};
+
+/// Whether the Gregorian calendar has the date, from 1900 on.
+bool is_valid(const Date& d)
+{
+    const bool leap = d.year % 4 == 0 && (d.year % 100 != 0 || d.year % 400 == 0);
+    const int days[] = {31, leap ? 29 : 28, 31, 30, 31, 30, 31, 31, 30, 31, 30, 31};
+    const auto is_in = [](int value, int min, int max) { return value >= min && value <= max; };
+    return d.year >= 1900 && is_in(d.month, 1, 12) && is_in(d.day, 1, days[d.month - 1]) && is_in(d.hour, 0, 23) &&
+           is_in(d.minute, 0, 59) && is_in(d.second, 0, 59);
+}
+
 /// Julian day of `2026-06-21T12:00[:SS]ZONE`. Throws UsageError.
 double parse_date(const std::string& text)
 {
-    int year = 0, month = 0, day = 0, hour = 0, minute = 0, second = 0, used = 0;
+    Date d;
+    int used = 0;
     const bool has_seconds = text.size() > 16 && text[16] == ':';
-    const int wanted = has_seconds ? 6 : 5;
-    const int found =
-        has_seconds ? std::sscanf(text.c_str(), "%4d-%2d-%2dT%2d:%2d:%2d%n", &year, &month, &day, &hour, &minute,
-                                  &second, &used)
-                    : std::sscanf(text.c_str(), "%4d-%2d-%2dT%2d:%2d%n", &year, &month, &day, &hour, &minute, &used);
-    const std::optional<int> zone =
-        found == wanted && used > 0 ? parse_zone(text.substr(std::size_t(used))) : std::nullopt;
-    const bool leap = year % 4 == 0 && (year % 100 != 0 || year % 400 == 0);
-    const int days[] = {31, leap ? 29 : 28, 31, 30, 31, 30, 31, 31, 30, 31, 30, 31};
-    if (!zone || year < 1900 || month < 1 || month > 12 || day < 1 || day > days[month - 1] || hour < 0 || hour > 23 ||
-        minute < 0 || minute > 59 || second < 0 || second > 59)
+    const int found = has_seconds ? std::sscanf(text.c_str(), "%4d-%2d-%2dT%2d:%2d:%2d%n", &d.year, &d.month, &d.day,
+                                                &d.hour, &d.minute, &d.second, &used)
+                                  : std::sscanf(text.c_str(), "%4d-%2d-%2dT%2d:%2d%n", &d.year, &d.month, &d.day,
+                                                &d.hour, &d.minute, &used);
+    const bool is_read = found == (has_seconds ? 6 : 5) && used > 0;
+    const std::optional<int> zone = is_read ? parse_zone(text.substr(std::size_t(used))) : std::nullopt;
+    if (!zone || !is_valid(d))
         throw UsageError(fmt::format(
             "expected a date and time from 1900 on, such as 2026-06-21T12:00Z or 2026-06-21T14:00+02:00, found '{}'",
             text));
-    return julian_day(year, month, day, hour * 3600 + (minute - *zone) * 60 + second);
+    return julian_day(d.year, d.month, d.day, d.hour * 3600 + (d.minute - *zone) * 60 + d.second);
 }
 
 Vec3d direction_from_angles(double elevation, double azimuth)
@@ -65,9 +76,9 @@ void add_sun_options(Command& command, SunOptions& options)
 {
     command.add_value({"--sun-elevation", "DEGREES", "elevation of the sun above the horizon", "40"},
                       [&](const std::string& text) { options.elevation_deg = parse_number(text, -90, 90); });
-    command.add_value({"--sun-azimuth", "DEGREES", "azimuth of the sun, from +z towards +x as in --orbit", "-35"},
+    command.add_value({"--sun-azimuth", "DEGREES", "azimuth of the sun, from +z toward +x as in --orbit", "-35"},
                       [&](const std::string& text) { options.azimuth_deg = parse_number(text, -1e6, 1e6); });
-    command.add_value({"--sun-direction", "X,Y,Z", "direction towards the sun, instead of both angles", ""},
+    command.add_value({"--sun-direction", "X,Y,Z", "direction toward the sun, instead of both angles", ""},
                       [&](const std::string& text) {
                           options.direction = parse_vector(text);
                           if (!(length(*options.direction) > 0)) throw UsageError("expected a direction, found 0,0,0");
@@ -104,7 +115,7 @@ Vec3d direction_to_sun(const SunOptions& options)
                                      options.azimuth_deg.value_or(-35) * radians_per_degree);
     const auto [elevation, azimuth] =
         sun_position(options.place_deg->first, options.place_deg->second, *options.julian_day);
-    // sun_position measures from north (-z) towards east (+x), --sun-azimuth from +z towards +x.
+    // sun_position measures from north (-z) towards east (+x), --sun-azimuth from +z toward +x.
     return direction_from_angles(elevation * radians_per_degree, (180 - azimuth) * radians_per_degree);
 }
 

@@ -264,7 +264,7 @@ void Checkpoint::report_outcome()
     if (failure_.empty())
         reporter_.note(fmt::format("the checkpoint {} can be written again", file_.string()));
     else
-        reporter_.error(fmt::format("{}: the render goes on and will try again", failure_));
+        reporter_.error(fmt::format("{}: the render continues and will try again", failure_));
     reported_failure_ = failure_;
 }
 

@@ -35,7 +35,7 @@ Size resolve_size(const SceneOptions& options, const std::string& camera_name, c
     const RenderHints& hints = scene.hints;
     Size size{hints.width.value_or(default_size.width), hints.height.value_or(default_size.height)};
     if (size.width < 1 || size.height < 1)
-        throw Error(scene.file, "", fmt::format("an image of {}x{} pixels", size.width, size.height));
+        throw Error(scene.file, "", fmt::format("an image of {}x{} pixels can't be rendered", size.width, size.height));
     const Camera* camera = options.orbit_deg || options.turntable ? nullptr : chosen_camera(scene, camera_name);
     double aspect = camera && camera->aspect > 0 ? camera->aspect : 0;
     if (hints.width && hints.height) return size;

@@ -31,7 +31,7 @@ ordered_json layers_json(const std::vector<std::string>& channels)
     ordered_json layers = ordered_json::array();
     for (const std::string& channel : channels) {
         const std::size_t dot = channel.rfind('.');
-        const std::string layer = dot == std::string::npos ? "picture" : channel.substr(0, dot);
+        const std::string layer = dot == std::string::npos ? "image" : channel.substr(0, dot);
         if (std::find(layers.begin(), layers.end(), layer) == layers.end()) layers.push_back(layer);
     }
     return layers;

@@ -123,55 +123,71 @@ void Renderer::post_message(const std::string& message)
     news_.notify_one();
 }
 
+/// Runs an action without the lock; false if it threw, which is posted as a message.
+template <class Act>
+bool Renderer::run_unlocked(std::unique_lock<std::mutex>& lock, const Act& act)
+{
+    bool done = true;
+    lock.unlock();
+    try {
+        act();
+    } catch (const std::exception& error) {
+        post_message(error.what());
+        done = false;
+    }
+    lock.lock();
+    return done;
+}
+
+/// Answers a pick, or saves; false if neither was requested or possible.
+bool Renderer::answer_request(std::unique_lock<std::mutex>& lock)
+{
+    if (pick_request_) {
+        const PickRequest request = *std::exchange(pick_request_, {});
+        run_unlocked(lock, [&] { answer_pick(request); });
+        return true;
+    }
+    if (save_request_ && image_samples() > 0) {
+        const std::string stem = *std::exchange(save_request_, {});
+        run_unlocked(lock, [&] { save_image(stem); });
+        return true;
+    }
+    return false;
+}
+
+/// Renders the next pass; false if none is left, or if it failed.
+bool Renderer::render_next(std::unique_lock<std::mutex>& lock)
+{
+    // A view of another layer is shown, but saving needs a sample of the image.
+    const bool only_to_save = save_request_ && !uses_image_film(work_.view);
+    bool idle = false;
+    const bool done = run_unlocked(lock, [&] {
+        const std::optional<Pass> pass = only_to_save ? full_pass(View::image) : next_pass();
+        idle = !pass;
+        if (pass && render(*pass) && !only_to_save) publish(*pass);
+    });
+    if (!done) save_request_.reset();
+    return done && !idle;
+}
+
+bool Renderer::has_request() const
+{
+    return quit_ || request_.move != work_.move || request_.view != work_.view || request_.denoise != work_.denoise ||
+           pick_request_ || save_request_;
+}
+
 void Renderer::run()
 {
     std::unique_lock lock(mutex_);
-    /// Runs an action without the lock; false if it threw.
-    const auto run_unlocked = [&](const auto& act) {
-        bool done = true;
-        lock.unlock();
-        try {
-            act();
-        } catch (const std::exception& error) {
-            post_message(error.what());
-            done = false;
-        }
-        lock.lock();
-        return done;
-    };
     while (!quit_) {
         const bool denoise = work_.denoise;
         accept_request();
-        if (work_.denoise != denoise && !run_unlocked([&] { report_denoising(); }))
+        if (work_.denoise != denoise && !run_unlocked(lock, [&] { report_denoising(); }))
             request_.denoise = work_.denoise = false;
         cancel_ = false;
         interruptible_ = true;
-        if (pick_request_) {
-            const PickRequest request = *pick_request_;
-            pick_request_.reset();
-            run_unlocked([&] { answer_pick(request); });
-            continue;
-        }
-        if (save_request_ && image_samples() > 0) {
-            const std::string stem = *save_request_;
-            save_request_.reset();
-            run_unlocked([&] { save_image(stem); });
-            continue;
-        }
-        // A view of another layer is shown, but saving needs a sample of the image.
-        const bool only_to_save = save_request_ && !uses_image_film(work_.view);
-        bool idle = false;
-        const bool done = run_unlocked([&] {
-            const std::optional<Pass> pass = only_to_save ? full_pass(View::image) : next_pass();
-            idle = !pass;
-            if (pass && render(*pass) && !only_to_save) publish(*pass);
-        });
-        if (!done) save_request_.reset();
-        const auto something_to_do = [&] {
-            return quit_ || request_.move != work_.move || request_.view != work_.view ||
-                   request_.denoise != work_.denoise || pick_request_ || save_request_;
-        };
-        if ((idle || !done) && !quit_) wake_.wait(lock, something_to_do);
+        if (answer_request(lock)) continue;
+        if (!render_next(lock) && !quit_) wake_.wait(lock, [&] { return has_request(); });
     }
 }
 

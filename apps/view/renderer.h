@@ -98,6 +98,11 @@ private:
     };
     void run();
     void accept_request();
+    template <class Act>
+    bool run_unlocked(std::unique_lock<std::mutex>& lock, const Act& act);
+    bool answer_request(std::unique_lock<std::mutex>& lock);
+    bool render_next(std::unique_lock<std::mutex>& lock);
+    bool has_request() const;
     void report_denoising();
     std::optional<Pass> next_pass();
     std::optional<Pass> full_pass(View film);

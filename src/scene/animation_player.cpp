@@ -67,44 +67,55 @@ bool moves_at_all(const std::vector<MeshKey>& keys)
     return std::any_of(keys.begin(), keys.end(), differs);
 }
 
+/// Throws Error with a message about an animation of the scene.
+[[noreturn]] void fail(const SceneDescription& scene, const Animation& animation, const std::string& message)
+{
+    throw Error(scene.file, fmt::format("animation '{}'", animation.name), message);
+}
+
+/// Describes what is wrong with a channel; empty if nothing is.
+std::string channel_problem(const SceneDescription& scene, const AnimationRig& rig, const AnimationChannel& channel)
+{
+    const std::size_t targets = is_of_material(channel.value) ? scene.materials.size()
+                                : is_of_light(channel.value)  ? scene.lights.size()
+                                                              : rig.nodes.size();
+    if (channel.target < 0 || std::size_t(channel.target) >= targets)
+        return fmt::format("there is no target {}", channel.target);
+    return problem_of(channel);
+}
+
+/// Describes what is wrong with a deformed mesh; empty if nothing is.
+std::string mesh_problem(const SceneDescription& scene, const AnimationRig& rig, const DeformedMesh& d)
+{
+    const std::size_t vertices = d.rest.positions.size();
+    const bool has_skin = d.skin >= 0;
+    if (d.mesh < 0 || std::size_t(d.mesh) >= scene.meshes.size() || d.node >= int(rig.nodes.size()) ||
+        d.skin >= int(rig.skins.size()) || (has_skin && (vertices == 0 || d.joints.size() % vertices != 0)) ||
+        d.joints.size() != d.joint_weights.size())
+        return "a deforming mesh has a different number of vertices, or its skin or node does not exist";
+    if (!has_skin) return {};
+    const Skin& skin = rig.skins[std::size_t(d.skin)];
+    const auto is_node = [&](int index) { return index >= 0 && std::size_t(index) < rig.nodes.size(); };
+    if (skin.joint_from_mesh.size() != skin.joints.size() ||
+        !std::all_of(skin.joints.begin(), skin.joints.end(), is_node))
+        return "a skin has joints that don't exist";
+    for (std::size_t k = 0; k < d.joints.size(); ++k)
+        if (d.joint_weights[k] > 0 && d.joints[k] >= skin.joints.size())
+            return fmt::format("a vertex refers to joint {}, there are {}", d.joints[k], skin.joints.size());
+    return {};
+}
+
 /// Throws Error unless all indices of the rig are in range for the scene. Posing then needs no further checks.
 void check_rig(const SceneDescription& scene, const AnimationRig& rig, const Animation& animation)
 {
-    const auto fail = [&](const std::string& message) {
-        throw Error(scene.file, fmt::format("animation '{}'", animation.name), message);
-    };
-    if (!animation.problem.empty()) fail(fmt::format("can't be played: {}", animation.problem));
+    if (!animation.problem.empty()) fail(scene, animation, fmt::format("can't be played: {}", animation.problem));
     if (rig.nodes.size() > scene.nodes.size() || rig.parents.size() != rig.nodes.size())
-        fail("its nodes don't belong to the scene");
-    for (std::size_t i = 0; i < animation.channels.size(); ++i) {
-        const AnimationChannel& channel = animation.channels[i];
-        const std::size_t targets = is_of_material(channel.value) ? scene.materials.size()
-                                    : is_of_light(channel.value)  ? scene.lights.size()
-                                                                  : rig.nodes.size();
-        if (channel.target < 0 || std::size_t(channel.target) >= targets)
-            fail(fmt::format("channel {}: there is no target {}", i, channel.target));
-        if (const std::string problem = problem_of(channel); !problem.empty())
-            fail(fmt::format("channel {}: {}", i, problem));
-    }
-    for (const DeformedMesh& d : rig.meshes) {
-        const std::size_t vertices = d.rest.positions.size();
-        const bool has_skin = d.skin >= 0;
-        if (d.mesh < 0 || std::size_t(d.mesh) >= scene.meshes.size() || d.node >= int(rig.nodes.size()) ||
-            d.skin >= int(rig.skins.size()) || (has_skin && (vertices == 0 || d.joints.size() % vertices != 0)) ||
-            d.joints.size() != d.joint_weights.size())
-            fail("a deforming mesh has a different number of vertices, or its skin or node does not exist");
-        if (!has_skin) continue;
-        const Skin& skin = rig.skins[std::size_t(d.skin)];
-        const auto in_range = [](std::size_t count) {
-            return [count](int index) { return index >= 0 && std::size_t(index) < count; };
-        };
-        if (skin.joint_from_mesh.size() != skin.joints.size() ||
-            !std::all_of(skin.joints.begin(), skin.joints.end(), in_range(rig.nodes.size())))
-            fail("a skin has joints that don't exist");
-        for (std::size_t k = 0; k < d.joints.size(); ++k)
-            if (d.joint_weights[k] > 0 && d.joints[k] >= skin.joints.size())
-                fail(fmt::format("a vertex refers to joint {}, there are {}", d.joints[k], skin.joints.size()));
-    }
+        fail(scene, animation, "its nodes don't belong to the scene");
+    for (std::size_t i = 0; i < animation.channels.size(); ++i)
+        if (const std::string problem = channel_problem(scene, rig, animation.channels[i]); !problem.empty())
+            fail(scene, animation, fmt::format("channel {}: {}", i, problem));
+    for (const DeformedMesh& d : rig.meshes)
+        if (const std::string problem = mesh_problem(scene, rig, d); !problem.empty()) fail(scene, animation, problem);
 }
 
 }  // namespace

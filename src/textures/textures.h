@@ -1,19 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// The list of all textures, from which the evaluation of graphs is generated.
-#include "textures/checker.h"
 #include "textures/coordinates.h"
-#include "textures/dots.h"
-#include "textures/facing.h"
 #include "textures/fractal.h"
 #include "textures/image.h"
-#include "textures/limits.h"
-#include "textures/mix.h"
 #include "textures/noise.h"
+#include "textures/operations.h"
+#include "textures/patterns.h"
 #include "textures/ramp.h"
-#include "textures/scale.h"
-#include "textures/uv_transform.h"
-#include "textures/vertex_color.h"
+#include "textures/surface.h"
 
 namespace fathom {
 inline namespace FATHOM_LANES {

@@ -141,7 +141,7 @@ TEST_F(Machine, CoresOfTheProcess)
 
 TEST_F(Machine, CoresOfGroups)
 {
-    if (usable_cores(root_) < 2) GTEST_SKIP() << "one core can't be made fewer";
+    if (usable_cores(root_) < 2) GTEST_SKIP() << "needs at least two cores";
     write("proc/self/cgroup", "0::/a/b\n");
     write("sys/fs/cgroup/a/cpu.max", "max 100000\n");
     EXPECT_GE(usable_cores(root_), 2);

@@ -17,6 +17,7 @@
 #include "base/output_file.h"
 #include "fathom/error.h"
 #include "image/pictures.h"
+#include "support/error_message.h"
 
 namespace {
 
@@ -62,18 +63,9 @@ namespace fathom {
 namespace {
 
 namespace fs = std::filesystem;
-using test::made_image;
+using test::error_message;
+using test::make_test_image;
 using test::TemporaryFolder;
-
-std::string message_of(const std::function<void()>& action)
-{
-    try {
-        action();
-    } catch (const Error& error) {
-        return error.message();
-    }
-    return "";
-}
 
 TEST(CheckOutput, KnowsFormatsFoldersAndSizes)
 {
@@ -95,7 +87,7 @@ TEST(CheckOutput, KnowsFormatsFoldersAndSizes)
 
 TEST(CheckOutput, RefusesAFolderWithoutTheRightToWrite)
 {
-    if (geteuid() == 0) GTEST_SKIP() << "root may write everywhere";
+    if (geteuid() == 0) GTEST_SKIP() << "root can write everywhere";
     const TemporaryFolder folder;
     chmod(folder.path().c_str(), 0500);
     EXPECT_THROW(check_output(folder.path() / "a.png"), Error);
@@ -106,7 +98,7 @@ TEST(CheckOutput, RefusesAFileThatMayNotBeWritten)
 {
     if (geteuid() == 0) GTEST_SKIP() << "root may write everything";
     const TemporaryFolder folder;
-    write_image(folder.path() / "a.png", made_image(4, 4), {});
+    write_image(folder.path() / "a.png", make_test_image(4, 4), {});
     chmod((folder.path() / "a.png").c_str(), 0400);
     EXPECT_THROW(check_output(folder.path() / "a.png"), Error);
 }
@@ -118,16 +110,16 @@ TEST(CheckOutput, RefusesDevicesAndPipes)
     ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
     fs::create_symlink("pipe.png", link);
     for (const fs::path& file : {pipe, link})
-        EXPECT_EQ(message_of([&] { check_output(file); }), "can't write: this is a device or a pipe, not a file");
+        EXPECT_EQ(error_message([&] { check_output(file); }), "can't write: this is a device or a pipe, not a file");
     EXPECT_TRUE(fs::is_fifo(pipe));
 }
 
 TEST(WriteImage, ReplacesAndFollowsLinks)
 {
     const TemporaryFolder folder;
-    write_image(folder.path() / "a.exr", made_image(4, 4), {});
+    write_image(folder.path() / "a.exr", make_test_image(4, 4), {});
     fs::create_symlink("a.exr", folder.path() / "link.exr");
-    write_image(folder.path() / "link.exr", made_image(5, 5), {});
+    write_image(folder.path() / "link.exr", make_test_image(5, 5), {});
     EXPECT_TRUE(fs::is_symlink(folder.path() / "link.exr"));
     EXPECT_EQ(read_image(folder.path() / "a.exr").width, 5);
     EXPECT_EQ(folder.files(), 2u);
@@ -137,17 +129,17 @@ TEST(WriteImage, KeepsWhoMayReadTheFile)
 {
     const TemporaryFolder folder;
     const fs::path file = folder.path() / "a.png";
-    write_image(file, made_image(4, 4), {});
+    write_image(file, make_test_image(4, 4), {});
     for (const mode_t mode : {0600u, 0664u, 0777u}) {
         ASSERT_EQ(chmod(file.c_str(), mode), 0);
-        write_image(file, made_image(5, 4), {});
+        write_image(file, make_test_image(5, 4), {});
         struct stat status{};
         ASSERT_EQ(stat(file.c_str(), &status), 0);
         EXPECT_EQ(status.st_mode & 07777, mode);
     }
     if (geteuid() != 0) return;
     ASSERT_EQ(chown(file.c_str(), 54321, 54322), 0);
-    write_image(file, made_image(4, 4), {});
+    write_image(file, make_test_image(4, 4), {});
     struct stat status{};
     ASSERT_EQ(stat(file.c_str(), &status), 0);
     EXPECT_EQ(status.st_uid, 54321u);
@@ -160,7 +152,7 @@ TEST(WriteImage, KeepsTheEarlierFileWhenTheDiskIsFull)
     const TemporaryFolder folder;
     for (const char* name : {"a.exr", "a.png", "a.jpg", "a.webp", "a.avif", "a.hdr"}) {
         const fs::path file = folder.path() / name;
-        write_image(file, made_image(4, 4), {});
+        write_image(file, make_test_image(4, 4), {});
         const std::vector<char> before = test::bytes_of(file);
         rlimit old{};
         getrlimit(RLIMIT_FSIZE, &old);
@@ -168,7 +160,7 @@ TEST(WriteImage, KeepsTheEarlierFileWhenTheDiskIsFull)
         for (rlim_t limit : {0, 100, 5000, 20000}) {
             const rlimit small{limit, old.rlim_max};
             setrlimit(RLIMIT_FSIZE, &small);
-            const std::string message = message_of([&] { write_image(file, made_image(300, 200), {}); });
+            const std::string message = error_message([&] { write_image(file, make_test_image(300, 200), {}); });
             setrlimit(RLIMIT_FSIZE, &old);
             EXPECT_EQ(message.rfind("can't write: ", 0), 0u) << name << " " << limit << " " << message;
             EXPECT_EQ(test::bytes_of(file), before) << name;
@@ -253,7 +245,7 @@ TEST_P(Names, ALinkAtATemporaryNameIsNotFollowed)
     constexpr std::uint64_t number = 0x0123456789abcdef;
     fs::create_symlink("victim", folder_.path() / fmt::format(".a.{:016x}.part", number));
     foreseen = &number;
-    EXPECT_EQ(message_of([&] { write_text(path, "new"); }), "can't write: File exists");
+    EXPECT_EQ(error_message([&] { write_text(path, "new"); }), "can't write: File exists");
     EXPECT_EQ(text_of(victim), "mine");
     EXPECT_FALSE(fs::exists(path));
     foreseen = nullptr;
@@ -296,7 +288,7 @@ class SharedFolder : public ::testing::Test {
 protected:
     void SetUp() override
     {
-        if (geteuid() != 0) GTEST_SKIP() << "only root can make another user's links";
+        if (geteuid() != 0) GTEST_SKIP() << "needs root to create links of another user";
         fs::create_directory(shared_);
         fs::create_directory(own_);
         chmod(shared_.c_str(), 01777);
@@ -309,7 +301,7 @@ protected:
     }
     std::string refusal(const fs::path& path) const
     {
-        return message_of([&] { write_text(path, "new"); });
+        return error_message([&] { write_text(path, "new"); });
     }
 
     const TemporaryFolder folder_;
@@ -353,14 +345,14 @@ TEST(OutputFile, LinksThatLeadInACircleAreRefused)
     const TemporaryFolder folder;
     fs::create_symlink("b", folder.path() / "a");
     fs::create_symlink("a", folder.path() / "b");
-    EXPECT_EQ(message_of([&] { write_text(folder.path() / "a", "new"); }), "can't write: too many symbolic links");
+    EXPECT_EQ(error_message([&] { write_text(folder.path() / "a", "new"); }), "can't write: too many symbolic links");
 }
 
 TEST(WriteImage, RefusesWhatIsNoPicture)
 {
     const TemporaryFolder folder;
     EXPECT_THROW(write_image(folder.path() / "a.png", Image{}, {}), Error);
-    Image image = made_image(4, 4);
+    Image image = make_test_image(4, 4);
     image.layers[0].pixels.pop_back();
     EXPECT_THROW(write_image(folder.path() / "a.exr", image, {}), Error);
     EXPECT_EQ(folder.files(), 0u);

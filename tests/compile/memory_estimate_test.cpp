@@ -56,7 +56,7 @@ Material glowing()
     return material;
 }
 
-TEST(MemoryNeeds, APlacedMeshIsCountedOnceUnlessItIsSmall)
+TEST(MemoryEstimates, InstancedMeshesCountOnceUnlessSmall)
 {
     const double alone = of(estimate_memory(nested(fan(1000), 1, 0), TreeBuild::standard), "triangles");
     EXPECT_GT(alone, 1000 * 100.0);
@@ -68,7 +68,7 @@ TEST(MemoryNeeds, APlacedMeshIsCountedOnceUnlessItIsSmall)
               9 * bytes_per_occurrence);
 }
 
-TEST(MemoryNeeds, EachTriangleInEachPlaceIsALight)
+TEST(MemoryEstimates, EachInstancedEmissiveTriangleIsALight)
 {
     EXPECT_EQ(of(estimate_memory(nested(fan(1000), 3, 3), TreeBuild::standard), "lights"), 0);
     const double one = of(estimate_memory(nested(fan(1), 1, 0, glowing()), TreeBuild::standard), "lights");
@@ -76,7 +76,7 @@ TEST(MemoryNeeds, EachTriangleInEachPlaceIsALight)
     EXPECT_EQ(of(estimate_memory(nested(fan(1000), 3, 3, glowing()), TreeBuild::standard), "lights"), 9000 * one);
 }
 
-TEST(MemoryNeeds, NodesThatNobodyReachesTakeNothing)
+TEST(MemoryEstimates, UnreachableNodesAreNotCounted)
 {
     SceneDescription scene = nested(fan(1000), 2, 1);
     scene.roots = {};
@@ -84,13 +84,13 @@ TEST(MemoryNeeds, NodesThatNobodyReachesTakeNothing)
     for (const MemoryEstimate& need : needs) EXPECT_EQ(need.bytes, 0) << need.what;
 }
 
-class PictureFile : public ::testing::Test {
+class ImageFileEstimate : public ::testing::Test {
 protected:
-    PictureFile()
+    ImageFileEstimate()
         : file_(std::filesystem::temp_directory_path() / ("fathom_needs_" + std::to_string(getpid()) + ".png"))
     {
     }
-    ~PictureFile() override { std::filesystem::remove(file_); }
+    ~ImageFileEstimate() override { std::filesystem::remove(file_); }
 
     void write(int bits) const
     {
@@ -115,7 +115,7 @@ protected:
     std::filesystem::path file_;
 };
 
-TEST_F(PictureFile, TexelsAreThoseOfTheFilesHead)
+TEST_F(ImageFileEstimate, TexelsComeFromTheFileHeader)
 {
     write(8);
     EXPECT_EQ(textures({ColorSpace::srgb}), 40 * 30 * 4);
@@ -127,7 +127,7 @@ TEST_F(PictureFile, TexelsAreThoseOfTheFilesHead)
     EXPECT_EQ(textures({ColorSpace::srgb}), 40 * 30 * 32);
 }
 
-TEST_F(PictureFile, OneThatIsNotThereTakesNothing)
+TEST_F(ImageFileEstimate, MissingFilesAreNotCounted)
 {
     EXPECT_EQ(textures({ColorSpace::srgb}), 0);
 }

@@ -26,7 +26,7 @@ Image::Layer made_layer(const std::string& name, const std::vector<std::string>&
     return layer;
 }
 
-Image made_image(int width, int height, const std::vector<std::string>& channels = {"R", "G", "B"})
+Image make_test_image(int width, int height, const std::vector<std::string>& channels = {"R", "G", "B"})
 {
     Image image;
     image.width = width, image.height = height;
@@ -71,7 +71,7 @@ TEST_F(FakeLibrary, GetsRadianceAndItsAidsDenoisedFirst)
     EXPECT_EQ(denoiser.file(), FAKE_OIDN);
     for (const bool aids : {false, true})
         for (const bool alpha : {false, true}) {
-            Image image = made_image(
+            Image image = make_test_image(
                 7, 5, alpha ? std::vector<std::string>{"R", "G", "B", "A"} : std::vector<std::string>{"R", "G", "B"});
             if (aids) {
                 image.layers.push_back(made_layer("normal", {"X", "Y", "Z"}, 35, 2));
@@ -92,7 +92,7 @@ TEST_F(FakeLibrary, GetsRadianceAndItsAidsDenoisedFirst)
 TEST_F(FakeLibrary, QuicklyWithAidsAsTheyAre)
 {
     const Denoiser denoiser(1);
-    Image image = made_image(7, 5);
+    Image image = make_test_image(7, 5);
     for (const char* name : {"albedo", "normal"}) image.layers.push_back(made_layer(name, {"R", "G", "B"}, 35, 2));
     std::atomic<bool> cancel = false;
     const std::optional<Image::Layer> quick = denoiser.denoise_quickly(image, cancel);
@@ -112,14 +112,14 @@ TEST_F(FakeLibrary, FailuresAreErrors)
 {
     const Denoiser denoiser(0);
     try {
-        denoiser.denoise(made_image(13, 2));
+        denoiser.denoise(make_test_image(13, 2));
         FAIL();
     } catch (const Error& error) {
         EXPECT_EQ(error.message(), "13 is unlucky");
         EXPECT_EQ(error.file(), FAKE_OIDN);
     }
-    EXPECT_NO_THROW(denoiser.denoise(made_image(12, 2)));
-    EXPECT_THROW(denoiser.denoise(made_image(4, 2, {"Z"})), Error);
+    EXPECT_NO_THROW(denoiser.denoise(make_test_image(12, 2)));
+    EXPECT_THROW(denoiser.denoise(make_test_image(4, 2, {"Z"})), Error);
     EXPECT_THROW(denoiser.denoise({}), Error);
 }
 
@@ -185,7 +185,7 @@ protected:
 TEST_F(RealLibrary, TakesNoiseAwayWithTheSameBitsForAnyThreads)
 {
     const int width = 200, height = 150;
-    Image image = made_image(width, height);
+    Image image = make_test_image(width, height);
     std::vector<float> truth(image.layers[0].pixels.size());
     for (std::size_t i = 0; i < truth.size(); ++i) {
         const int pixel = int(i / 3);

@@ -85,7 +85,7 @@ TEST(ExactSquareSum, DoesNotDependOnOrderOrGroupingAndStopsAtItsEnd)
     }
 }
 
-TEST(TileSums, FastAndSlowWaysAgree)
+TEST(TileSums, FastAndGeneralPathsAgree)
 {
     std::mt19937 random(4);
     TileSums fast;

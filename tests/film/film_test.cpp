@@ -57,7 +57,7 @@ TEST(FilmLayout, HasAPlaceForEach)
 
 TEST(FilmImage, MeansOfWhatWasSummed)
 {
-    Film film = test::made_film(
+    Film film = test::make_test_film(
         settings_with({Aov::albedo, Aov::normal, Aov::depth, Aov::position, Aov::instance_id, Aov::material_id}, true));
     Film::Data& data = film.data();
     const FilmLayout& layout = data.layout;
@@ -100,7 +100,7 @@ TEST(FilmImage, MeansOfWhatWasSummed)
 
 TEST(FilmRanges, JoinWhereTheyTouchAndRefuseToOverlap)
 {
-    Film film = test::made_film(settings_with({}, false));
+    Film film = test::make_test_film(settings_with({}, false));
     Film::Data& data = film.data();
     data.add_range({8, 10});
     data.add_range({0, 2});
@@ -117,7 +117,7 @@ TEST(FilmRanges, JoinWhereTheyTouchAndRefuseToOverlap)
 TEST(FilmMerge, AddsSumsAndKeepsIdsOfTheFirstSample)
 {
     const RenderSettings settings = settings_with({Aov::instance_id}, true);
-    Film a = test::made_film(settings), b = test::made_film(settings);
+    Film a = test::make_test_film(settings), b = test::make_test_film(settings);
     a.data().add_range({0, 2}), b.data().add_range({2, 5});
     for (Film* film : {&a, &b})
         for (std::size_t p = 0; p < 4; ++p) {
@@ -151,7 +151,8 @@ TEST(FilmMerge, AddsSumsAndKeepsIdsOfTheFirstSample)
 TEST(FilmMerge, InPiecesIsTheSame)
 {
     const RenderSettings settings = settings_with({Aov::instance_id, Aov::depth}, true);
-    Film own = test::made_film(settings), whole = test::made_film(settings), pieces = test::made_film(settings);
+    Film own = test::make_test_film(settings), whole = test::make_test_film(settings),
+         pieces = test::make_test_film(settings);
     const auto pixels = std::size_t(own.width()) * std::size_t(own.height());
     for (Film* film : {&own, &whole, &pieces}) {
         film->data().add_range(film == &own ? SampleRange{2, 5} : SampleRange{0, 2});
@@ -179,14 +180,14 @@ TEST(FilmMerge, InPiecesIsTheSame)
 
     // Merging partial sums of two films equals merging both films.
     std::vector<std::uint32_t> passing(own.words(), own.words() + pixels * words);
-    Film start = test::made_film(settings), twice = test::made_film(settings);
+    Film start = test::make_test_film(settings), twice = test::make_test_film(settings);
     own.add_words(own.words(), passing.data(), pixels);
     twice.merge_words(0, passing.data(), pixels);
     for (int i = 0; i < 2; ++i) start.merge_words(0, own.words(), pixels);
     EXPECT_EQ(twice.sums().words, start.sums().words);
 
-    EXPECT_THROW(pieces.begin_merge(own.key(), own.samples(), 0, {}), Error) << "they are there already";
-    EXPECT_THROW(pieces.begin_merge(test::made_film(settings_with({}, true)).key(), {{8, 9}}, 0, {}), Error);
+    EXPECT_THROW(pieces.begin_merge(own.key(), own.samples(), 0, {}), Error) << "these samples are already merged";
+    EXPECT_THROW(pieces.begin_merge(test::make_test_film(settings_with({}, true)).key(), {{8, 9}}, 0, {}), Error);
 }
 
 /// Settings that change the bits of an image prevent merging.
@@ -208,10 +209,11 @@ TEST(FilmMerge, RefusesOtherSettings)
     others[11].guiding = true;
     others[12].filter_radius = 3;
     for (const RenderSettings& other : others)
-        EXPECT_THROW(test::made_film(settings).merge(test::made_film(other)), Error) << &other - others.data();
+        EXPECT_THROW(test::make_test_film(settings).merge(test::make_test_film(other)), Error)
+            << &other - others.data();
     RenderSettings same = settings;
     same.threads = 7;
-    EXPECT_NO_THROW(test::made_film(settings).merge(test::made_film(same)));
+    EXPECT_NO_THROW(test::make_test_film(settings).merge(test::make_test_film(same)));
 }
 
 TEST(FilmSums, ComeBackWithTheirSettings)
@@ -219,7 +221,7 @@ TEST(FilmSums, ComeBackWithTheirSettings)
     RenderSettings settings = settings_with({Aov::material_id, Aov::normal}, true);
     settings.filter = Filter::tent;
     settings.filter_radius = 1.3;
-    Film film = test::made_film(settings);
+    Film film = test::make_test_film(settings);
     film.data().add_range({4, 9});
     add_radiance(film, 3, 1, 0.5, 0.25);
     add_other(film, 3, film.data().layout.normal, 0.5);

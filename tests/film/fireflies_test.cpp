@@ -15,7 +15,7 @@ struct Picture {
     Film film = [] {
         RenderSettings s;
         s.width = side, s.height = side;
-        return test::made_film(s);
+        return test::make_test_film(s);
     }();
     std::vector<double> values = std::vector<double>(std::size_t(side * side * samples));
 
@@ -99,7 +99,7 @@ TEST(Fireflies, OfACropAreThoseOfItsPixels)
 {
     constexpr Crop inside{8, 24, 40, 48};
     const auto fireflies_of = [&](RenderSettings settings, int left, int top) {
-        Film film = test::made_film(settings);
+        Film film = test::make_test_film(settings);
         film.data().add_range({0, samples});
         Picture p = noisy();
         for (int k = 0; k < 3; ++k) p.sample(20, 30, 9 * k) = 500;
@@ -124,14 +124,14 @@ TEST(Fireflies, OfACropAreThoseOfItsPixels)
     EXPECT_EQ(cropped.noise, expected.noise);
 }
 
-TEST(Fireflies, NeedSamplesToBeTold)
+TEST(Fireflies, NeedSamplesToBeDetected)
 {
     Picture p = noisy();
     p.sample(9, 9, 9) = 500;
     EXPECT_GT(p.found().noise, 0);
     RenderSettings s;
     s.width = side, s.height = side;
-    EXPECT_EQ(test::made_film(s).fireflies().noise, 0);
+    EXPECT_EQ(test::make_test_film(s).fireflies().noise, 0);
 }
 
 }  // namespace

@@ -5,7 +5,7 @@
 namespace fathom::test {
 
 /// An empty film without a scene.
-inline Film made_film(const RenderSettings& settings)
+inline Film make_test_film(const RenderSettings& settings)
 {
     return Film(FilmKey{settings, std::string(32, '0')});
 }

@@ -12,7 +12,7 @@ TEST(Film, VarianceIsRightForDarkAndBrightPictures)
     for (double v : {1e-6, 1e-5, 1e-3, 1.0, 30.0, 60.0, 1e3, 1e6, 3e7, 1e8, 1e9}) {
         RenderSettings settings;
         settings.width = settings.height = 1;
-        Film film = test::made_film(settings);
+        Film film = test::make_test_film(settings);
         constexpr int n = 200;
         film.data().add_range({0, n});
         TileSums sums;

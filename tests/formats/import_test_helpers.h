@@ -5,10 +5,12 @@
 
 #include <filesystem>
 #include <fstream>
+#include <numbers>
 #include <string>
 
 #include "fathom/error.h"
 #include "fathom/load.h"
+#include "support/near.h"
 
 namespace fathom::test {
 
@@ -50,15 +52,33 @@ protected:
         return "loaded";
     }
 
+    /// How often warnings that contain these words were given.
+    std::size_t warning_count(const std::string& words) const
+    {
+        std::size_t count = 0;
+        for (const auto& [message, times] : warnings_.counts())
+            if (message.find(words) != std::string::npos) count += times;
+        return count;
+    }
+    bool has_warning(const std::string& words) const { return warning_count(words) > 0; }
+
     std::filesystem::path folder_;
     Warnings warnings_;
 };
 
-inline void expect_near(Vec3d a, Vec3d b, double tolerance = 1e-12)
+inline constexpr double degree = std::numbers::pi / 180;
+
+inline void expect_color(const Color& c, double r, double g, double b, double tolerance = 1e-6)
 {
-    EXPECT_NEAR(a.x, b.x, tolerance);
-    EXPECT_NEAR(a.y, b.y, tolerance);
-    EXPECT_NEAR(a.z, b.z, tolerance);
+    EXPECT_NEAR(c.r, r, tolerance);
+    EXPECT_NEAR(c.g, g, tolerance);
+    EXPECT_NEAR(c.b, b, tolerance);
+}
+
+inline std::string bytes_of(const std::filesystem::path& file)
+{
+    std::ifstream in(file, std::ios::binary);
+    return {std::istreambuf_iterator<char>(in), {}};
 }
 
 }  // namespace fathom::test

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
-#include "geometry/bvh/compare_with_force.h"
+#include "geometry/bvh/compare_with_brute_force.h"
 
 namespace fathom {
 namespace {
@@ -42,12 +42,14 @@ GeometryTables moving_soup(std::size_t n, float radius, float size, float way, s
 
 TEST(Motion, vertices)
 {
-    for (std::size_t n : {1, 2, 17, 100}) compare_with_force(moving_soup(n, 1, 1, 0.5f, {0, 1}), 1, 10'000, "few");
-    compare_with_force(moving_soup(3'000, 100, 10, 5, {0, 1}), 100, 20'000, "soup");
-    compare_with_force(moving_soup(3'000, 100, 1, 200, {0, 1}), 100, 10'000, "far and wide");
-    compare_with_force(moving_soup(3'000, 100, 10, 5, {0, 0.1f, 0.5f, 0.75f, 1}), 100, 20'000, "five keys");
-    compare_with_force(moving_soup(2'000, 1e-12f, 1e-13f, 1e-13f, {0, 1}), 1e-12f, 10'000, "tiny");
-    compare_with_force(moving_soup(2'000, 1, 0.1f, 0.1f, {0, 1}, {3e5f, -1e6f, 2e5f}), 1.5e6f, 10'000, "far away");
+    for (std::size_t n : {1, 2, 17, 100})
+        compare_with_brute_force(moving_soup(n, 1, 1, 0.5f, {0, 1}), 1, 10'000, "few");
+    compare_with_brute_force(moving_soup(3'000, 100, 10, 5, {0, 1}), 100, 20'000, "soup");
+    compare_with_brute_force(moving_soup(3'000, 100, 1, 200, {0, 1}), 100, 10'000, "far and wide");
+    compare_with_brute_force(moving_soup(3'000, 100, 10, 5, {0, 0.1f, 0.5f, 0.75f, 1}), 100, 20'000, "five keys");
+    compare_with_brute_force(moving_soup(2'000, 1e-12f, 1e-13f, 1e-13f, {0, 1}), 1e-12f, 10'000, "tiny");
+    compare_with_brute_force(moving_soup(2'000, 1, 0.1f, 0.1f, {0, 1}, {3e5f, -1e6f, 2e5f}), 1.5e6f, 10'000,
+                             "far away");
 }
 
 /// Neighboring triangles share vertices, some of which coincide when the shutter opens.
@@ -78,15 +80,15 @@ GeometryTables moving_cloth(std::uint32_t n, std::vector<float> times)
 
 TEST(Motion, shared_vertices)
 {
-    compare_with_force(moving_cloth(3, {0, 1}), 5, 10'000, "a few");
-    compare_with_force(moving_cloth(40, {0, 1}), 40, 20'000, "cloth");
-    compare_with_force(moving_cloth(30, {0, 0.25f, 1}), 30, 10'000, "three keys");
+    compare_with_brute_force(moving_cloth(3, {0, 1}), 5, 10'000, "a few");
+    compare_with_brute_force(moving_cloth(40, {0, 1}), 40, 20'000, "cloth");
+    compare_with_brute_force(moving_cloth(30, {0, 0.25f, 1}), 30, 10'000, "three keys");
 }
 
 /// Rays with times outside the shutter interval see the scene at its nearest end.
 TEST(Motion, times_outside_the_shutter)
 {
-    compare_with_force(moving_soup(500, 100, 10, 50, {0.25f, 0.5f}), 100, 10'000, "other times");
+    compare_with_brute_force(moving_soup(500, 100, 10, 50, {0.25f, 0.5f}), 100, 10'000, "other times");
 }
 
 TEST(Motion, beside_what_stands_still)
@@ -105,7 +107,7 @@ TEST(Motion, beside_what_stands_still)
     tables.shape_of_primitive.resize(1600, 1);
     tables.shapes.emplace_back();
     finish(tables);
-    compare_with_force(tables, 100, 20'000, "beside");
+    compare_with_brute_force(tables, 100, 20'000, "beside");
 }
 
 TEST(Motion, degenerate_and_not_finite)
@@ -119,7 +121,7 @@ TEST(Motion, degenerate_and_not_finite)
         tables.positions[6 + k] = {float(k), 0, 0};
         tables.positions[vertices + 6 + k] = {float(k), 1, 0};
     }
-    compare_with_force(tables, 10, 20'000, "degenerate");
+    compare_with_brute_force(tables, 10, 20'000, "degenerate");
     Bvh bvh;
     tables.positions[vertices + 9].x = std::numeric_limits<float>::quiet_NaN();
     bvh.build(tables);
@@ -200,11 +202,11 @@ GeometryTables moving_instances(std::size_t n, std::uint32_t poses, double sprea
 
 TEST(Motion, instances)
 {
-    compare_with_force(moving_instances(1, 2, 1, false), 60, 5'000, "one that stands still");
-    compare_with_force(moving_instances(40, 2, 1, false), 60, 10'000, "rigid");
-    compare_with_force(moving_instances(40, 5, 1, false), 60, 10'000, "five poses");
-    compare_with_force(moving_instances(40, 2, 4, false), 60, 10'000, "stretched");
-    compare_with_force(moving_instances(40, 3, 2, true), 60, 10'000, "of a mesh that moves");
+    compare_with_brute_force(moving_instances(1, 2, 1, false), 60, 5'000, "one that stands still");
+    compare_with_brute_force(moving_instances(40, 2, 1, false), 60, 10'000, "rigid");
+    compare_with_brute_force(moving_instances(40, 5, 1, false), 60, 10'000, "five poses");
+    compare_with_brute_force(moving_instances(40, 2, 4, false), 60, 10'000, "stretched");
+    compare_with_brute_force(moving_instances(40, 3, 2, true), 60, 10'000, "of a mesh that moves");
 }
 
 /// Bits don't depend on the instruction set: every build of this test has the same checksum.
@@ -216,7 +218,7 @@ TEST(Motion, the_same_bits_everywhere)
          {moving_soup(2'000, 100, 10, 5, {0, 0.25f, 1}), moving_instances(100, 3, 2, true)}) {
         Bvh bvh;
         bvh.build(tables);
-        Rays rays = nasty_rays(tables, 100, 10'000, 15);
+        Rays rays = difficult_rays(tables, 100, 10'000, 15);
         const Hits hits = cast(bvh, rays, true);
         for (std::size_t i = 0; i < rays.count(); ++i) {
             mix_in(std::bit_cast<std::uint32_t>(hits.t[i]));

@@ -100,7 +100,7 @@ def main():
         print(f"{len(changed)} of {len(pictures)} hashes accepted")
         return 0
     for name in changed:
-        print(f"{name}: another picture than the accepted one")
+        print(f"{name}: differs from the accepted image")
     if changed:
         print(f"{len(changed)} of {len(pictures)} pictures changed. If that is meant, accept them, and say in the commit why:")
         print(f"  {sys.executable} {pathlib.Path(__file__).resolve()} {arguments.program} {arguments.hasher} --accept")

@@ -346,7 +346,7 @@ def moving_lamps():
         lights={"spot": {"kind": "spot", "intensity": 4, "outer_angle_deg": 40}, "point": {"kind": "point", "intensity": 1}})
 
 
-def pictured_lights():
+def image_lights():
     """Image lights: projectors, goniometric maps, an IES profile and a spot, in static, moving and mirroring nodes."""
     (FOLDER / "lamp.ies").write_text("IESNA:LM-63-2002\n[TEST] made up\nTILT=NONE\n1 1000 1\n5 3 1 1 0.1 0.1 0.1\n1 1 60\n0 20 45 90 110\n0 45 90\n"
                                      "3 2.8 1 0.2 0\n3 2.5 1.6 0.3 0.1\n3 1 0.4 0.2 0\n")
@@ -382,7 +382,7 @@ def beams():
                 "oval": {"kind": "beam", "width": 0.7, "height": 0.3, "round": True, "color": [0.3, 0.5, 1], "intensity": 4}})
 
 
-def glowing_curves():
+def emissive_curves():
     """Emissive curves, round and ribbons, linear and cubic, in world space, instanced twice, and in a moving node."""
     points = lambda z: [[round(0.9 * math.sin(1.3 * i), 4), 1.2 + 0.2 * i, z + round(0.3 * math.cos(1.3 * i), 4), 0.02 + 0.01 * (i % 3)]
                         for i in range(7)]
@@ -439,7 +439,7 @@ def disney():
          "rectangle": {"corner": [0.9, 0, -0.6], "edge_u": [0.4, 0, 0.5], "edge_v": [0, 0.9, 0]}}])
 
 
-def neighbours():
+def adjacent_features():
     """Adjacent spheres with different features, because lanes must not change each other's bits."""
     parts = [{}, {"sheen_color": 0.5}, {"coat": 0.7, "coat_roughness": 0.2}, {"thin_film": 0.8}, {"diffuse_roughness": 0.6}, {"anisotropy": 0.7},
              {"specular": 0.5}, {"conductor": "copper"}, {"two_roughnesses": True, "anisotropy": 0.3}, {"sheen_color": 0.4, "sheen_reciprocal": True},
@@ -508,13 +508,13 @@ def lights():
                        for i in range(12)], {"p": {"kind": "point", "position": [0, 2.5, 2], "intensity": 2}})
     hundreds_of_lamps()
     moving_lamps()
-    pictured_lights()
+    image_lights()
     beams()
-    glowing_curves()
+    emissive_curves()
     hair()
     measured()
     disney()
-    neighbours()
+    adjacent_features()
     seen_through()
     moving_curves()
     write("fibres", scene=[FLOOR, LAMP, *({"material": {"kind": "glass", "attenuation_color": [0.4, 0.8, 0.6], "attenuation_distance": 0.3}, "curves": {

@@ -163,7 +163,7 @@ TEST(Guidance, LanesFindTheCubeThatLearningFinds)
 }
 
 /// The probability of NEE is nee_factor times throughput, clamped to [1/8, 1].
-TEST(Guidance, ChancesOfLightSamplesAreProbabilities)
+TEST(Guidance, LightSampleProbabilitiesAreInRange)
 {
     GuidingTables t = some_tables(8);
     for (float need : {0.0f, 0.25f, 2.0f, 1e30f}) t.nee_factors.push_back(need);

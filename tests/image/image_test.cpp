@@ -11,8 +11,8 @@
 namespace fathom {
 namespace {
 
-using test::made_image;
-using test::made_layer;
+using test::make_test_image;
+using test::make_test_layer;
 using test::TemporaryFolder;
 
 Image written_and_read(const Image& image, const std::string& file, const WriteOptions& options = {})
@@ -25,12 +25,12 @@ Image written_and_read(const Image& image, const std::string& file, const WriteO
 
 TEST(Exr, KeepsFloatsAttributesLayersAndIntegersBitForBit)
 {
-    Image image = made_image(37, 23, {"R", "G", "B", "A"}, 1e6f);
+    Image image = make_test_image(37, 23, {"R", "G", "B", "A"}, 1e6f);
     image.layers[0].pixels[0] = std::numeric_limits<float>::infinity();
     image.layers[0].pixels[1] = std::numeric_limits<float>::denorm_min();
-    image.layers.push_back(made_layer("albedo", {"R", "G", "B"}, 37, 23));
-    image.layers.push_back(made_layer("depth", {"Z"}, 37, 23, 1e9f));
-    image.layers.push_back(made_layer("normal", {"X", "Y", "Z"}, 37, 23));
+    image.layers.push_back(make_test_layer("albedo", {"R", "G", "B"}, 37, 23));
+    image.layers.push_back(make_test_layer("depth", {"Z"}, 37, 23, 1e9f));
+    image.layers.push_back(make_test_layer("normal", {"X", "Y", "Z"}, 37, 23));
     image.uint_channels.push_back({"sums.000", std::vector<std::uint32_t>(37 * 23, 0xffffffffu)});
     image.uint_channels.push_back({"sums.001", std::vector<std::uint32_t>(37 * 23, 16777217u)});
     image.attributes = {{"fathom.seed", "7"}, {"fathom.scene", "a \"scene\", of ünicode"}, {"empty", ""}};
@@ -52,14 +52,14 @@ TEST(Exr, KeepsFloatsAttributesLayersAndIntegersBitForBit)
     for (const auto& [name, value] : image.attributes) EXPECT_EQ(read.attributes.at(name), value);
 }
 
-TEST(Exr, HalvesAreForColoursInTheirRange)
+TEST(Exr, HalvesAreForColorsInTheirRange)
 {
     WriteOptions options;
     options.exr_half = true;
-    Image image = made_image(16, 9);
+    Image image = make_test_image(16, 9);
     image.layers[0].pixels[0] = 65504;
     image.layers[0].pixels[1] = 1.0004f;
-    image.layers.push_back(made_layer("albedo", {"R", "G", "B"}, 16, 9));
+    image.layers.push_back(make_test_layer("albedo", {"R", "G", "B"}, 16, 9));
     image.layers.back().pixels[5] = 65505;
     image.layers.push_back({"instance", {"Y"}, std::vector<float>(16 * 9, 2049)});
     image.layers.push_back({"variance", {"R", "G", "B"}, std::vector<float>(16 * 9 * 3, 1e-9f)});
@@ -79,7 +79,7 @@ TEST(Png, HasTheNearestCodeOfTheFormulaAtEachDepth)
         WriteOptions options;
         options.png_bits = bits;
         const double codes = bits == 8 ? 255 : 65535;
-        const Image image = made_image(61, 40, {"R", "G", "B"}, 1.2f);
+        const Image image = make_test_image(61, 40, {"R", "G", "B"}, 1.2f);
         const Image read = written_and_read(image, "a.png", options);
         ASSERT_EQ(read.layers[0].channels, image.layers[0].channels);
         for (std::size_t i = 0; i < image.layers[0].pixels.size(); ++i)
@@ -92,7 +92,7 @@ TEST(Png, AlphaIsStraight)
     for (int bits : {8, 16}) {
         WriteOptions options;
         options.png_bits = bits;
-        Image image = made_image(2, 1, {"R", "G", "B", "A"});
+        Image image = make_test_image(2, 1, {"R", "G", "B", "A"});
         image.layers[0].pixels = {0.25f, 0.125f, 0, 0.5f, 0, 0, 0, 0};
         const Image read = written_and_read(image, "a.png", options);
         ASSERT_EQ(read.layers[0].channels, image.layers[0].channels);
@@ -102,9 +102,9 @@ TEST(Png, AlphaIsStraight)
     }
 }
 
-TEST(Png, OneChannelIsGrey)
+TEST(Png, OneChannelIsGray)
 {
-    Image image = made_image(3, 2, {"Z"});
+    Image image = make_test_image(3, 2, {"Z"});
     const Image read = written_and_read(image, "a.png");
     for (int i = 0; i < 6; ++i)
         for (int c = 0; c < 3; ++c)
@@ -113,7 +113,7 @@ TEST(Png, OneChannelIsGrey)
 
 TEST(Jpeg, IsCloseAndHasNoAlpha)
 {
-    Image image = made_image(40, 30, {"R", "G", "B", "A"});
+    Image image = make_test_image(40, 30, {"R", "G", "B", "A"});
     for (int i = 0; i < 40 * 30; ++i) {
         const float values[] = {float(i % 40) / 40, float(i / 40) / 30, 0.2f, 0.5f};
         std::copy(values, values + 4, image.layers[0].pixels.begin() + 4 * i);
@@ -128,7 +128,7 @@ TEST(Jpeg, IsCloseAndHasNoAlpha)
 TEST(Hdr, IsNearestAtEveryWidth)
 {
     for (int width : {1, 7, 8, 9, 200, 32767, 32768}) {
-        Image image = made_image(width, 3, {"R", "G", "B"}, 1000);
+        Image image = make_test_image(width, 3, {"R", "G", "B"}, 1000);
         // runs of equal pixels in the first row
         for (int i = 0; i < 3 * width; ++i) image.layers[0].pixels[i] = float(i / 300);
         const Image read = written_and_read(image, "a.hdr");
@@ -144,7 +144,7 @@ TEST(Hdr, IsNearestAtEveryWidth)
 
 TEST(Hdr, ExtremesStayInRange)
 {
-    Image image = made_image(4, 1);
+    Image image = make_test_image(4, 1);
     const float infinity = std::numeric_limits<float>::infinity();
     image.layers[0].pixels = {infinity, 1, 0, NAN, -1, 0.999f, 1e-38f, 0, 0, 255.9f, 0.5f, 0};
     const Image read = written_and_read(image, "a.hdr");
@@ -158,12 +158,12 @@ TEST(Hdr, ExtremesStayInRange)
 
 TEST(Webp, IsWrittenLikePngUnlessItMayLose)
 {
-    Image image = made_image(61, 40, {"R", "G", "B", "A"});
+    Image image = make_test_image(61, 40, {"R", "G", "B", "A"});
     const Image png = written_and_read(image, "a.png"), webp = written_and_read(image, "a.webp");
     ASSERT_EQ(webp.layers[0].channels, png.layers[0].channels);
     EXPECT_EQ(webp.layers[0].pixels, png.layers[0].pixels);
     // Lossy without alpha: a smooth image stays close.
-    image = made_image(64, 48, {"R", "G", "B"});
+    image = make_test_image(64, 48, {"R", "G", "B"});
     for (int i = 0; i < 64 * 48; ++i)
         for (int c = 0; c < 3; ++c)
             image.layers[0].pixels[std::size_t(3 * i + c)] = float(i % 64) / 128 + float(i / 64) / 96;
@@ -249,7 +249,7 @@ TEST(ForeignFiles, HdrSharesAnExponent)
 TEST(ForeignFiles, WhatIsWrittenIsWhatTheFormatsSay)
 {
     const TemporaryFolder folder;
-    Image image = made_image(2, 1);
+    Image image = make_test_image(2, 1);
     image.layers[0].pixels = {1, 0.5f, 0.25f, 4, 2, 1};
     write_image(folder.path() / "a.hdr", image, {});
     const std::vector<char> hdr = test::bytes_of(folder.path() / "a.hdr");
@@ -267,7 +267,7 @@ TEST(ForeignFiles, WhatIsWrittenIsWhatTheFormatsSay)
 /// Exposure and tone mapping apply to display formats only: EXR and HDR keep radiance.
 TEST(WriteOptions, ExposureIsForDisplays)
 {
-    Image image = made_image(1, 1);
+    Image image = make_test_image(1, 1);
     image.layers[0].pixels = {0.25f, 0.5f, 0.125f};
     WriteOptions options;
     options.display = {1, Tonemap::srgb};
@@ -279,7 +279,7 @@ TEST(WriteOptions, ExposureIsForDisplays)
         EXPECT_NEAR(png.layers[0].pixels[c], test::srgb(2 * double(image.layers[0].pixels[c])), 1e-5);
 }
 
-TEST(ReadImage, SaysWhatIsWrong)
+TEST(ReadImage, ReportsErrors)
 {
     const TemporaryFolder folder;
     const auto message = [](const std::filesystem::path& file) -> std::string {

@@ -46,8 +46,8 @@ inline std::vector<char> bytes_of(const std::filesystem::path& file)
 }
 
 /// Distinct values from 0 to `top`; channel A, if there is one, from 0 to 1 with premultiplied color.
-inline Image::Layer made_layer(const std::string& name, const std::vector<std::string>& channels, int width, int height,
-                               float top = 1)
+inline Image::Layer make_test_layer(const std::string& name, const std::vector<std::string>& channels, int width,
+                                    int height, float top = 1)
 {
     Image::Layer layer{name, channels, {}};
     std::uint32_t state = 12345;
@@ -64,13 +64,13 @@ inline Image::Layer made_layer(const std::string& name, const std::vector<std::s
     return layer;
 }
 
-inline Image made_image(int width, int height, const std::vector<std::string>& channels = {"R", "G", "B"},
-                        float top = 1)
+inline Image make_test_image(int width, int height, const std::vector<std::string>& channels = {"R", "G", "B"},
+                             float top = 1)
 {
     Image image;
     image.width = width;
     image.height = height;
-    image.layers.push_back(made_layer("", channels, width, height, top));
+    image.layers.push_back(make_test_layer("", channels, width, height, top));
     return image;
 }
 

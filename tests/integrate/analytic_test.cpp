@@ -6,13 +6,6 @@ namespace {
 
 using namespace test;
 
-Environment white()
-{
-    Environment e;
-    e.kind = EnvironmentKind::constant;
-    return e;
-}
-
 TEST(Furnace, EnclosureHasTheRadianceOfTheGeometricSeries)
 {
     // Inside a sphere with emission 1 and albedo a, radiance is 1 / (1 - a) everywhere.
@@ -21,7 +14,7 @@ TEST(Furnace, EnclosureHasTheRadianceOfTheGeometricSeries)
             SceneBuilder b;
             b.add(Sphere{{0, 0, 0}, -1, {}}, b.diffuse(albedo, {1, 1, 1}));
             b.camera({0.3, 0.1, 0.2}, {1, 0, 0}, 60);
-            RenderSettings settings = small_picture();
+            RenderSettings settings = small_image_settings();
             settings.light_sampling = light_sampling;
             expect_mean(render_film(b.scene, settings, 64), 1 / (1 - albedo));
         }
@@ -33,7 +26,7 @@ TEST(Furnace, ClosedRoomOfRectangles)
     const int wall = b.diffuse(0.6f, {1, 1, 1}, true);
     b.add(Box{{-1, -1, -1}, {1, 1, 1}}, wall);
     b.camera({0.3, 0.1, 0.2}, {1, 0, 0}, 60);
-    expect_mean(render_film(b.scene, small_picture(), 256), 2.5);
+    expect_mean(render_film(b.scene, small_image_settings(), 256), 2.5);
 }
 
 TEST(Furnace, EveryMaterialUnderAWhiteSky)
@@ -43,9 +36,9 @@ TEST(Furnace, EveryMaterialUnderAWhiteSky)
         m.base_color.value = {1, 1, 1};
         SceneBuilder b;
         b.add(Sphere{{0, 0, 0}, 1, {}}, b.material(m));
-        b.scene.environment = white();
+        b.scene.environment = uniform_sky();
         b.camera({0, 0, 2.2}, {0, 0, 0}, 30);
-        expect_mean(render_film(b.scene, small_picture(), 64), value, tolerance);
+        expect_mean(render_film(b.scene, small_image_settings(), 64), value, tolerance);
     };
     Material m;
     for (float roughness : {0.0f, 0.5f, 1.0f}) {
@@ -80,9 +73,9 @@ TEST(Furnace, LosslessPathsHaveNoVariance)
             for (int i = 0; i < 4; ++i) b.add(Rectangle{{-50, -50, -2.0 - i}, {100, 0, 0}, {0, 100, 0}}, m);
         else
             for (int i = 0; i < 2; ++i) b.add(Sphere{{0, 0, -6.0 - 5 * i}, 2, {}}, m);
-        b.scene.environment = white();
+        b.scene.environment = uniform_sky();
         b.camera({0, 0, 0}, {0, 0, -1}, 30);
-        const Mean mean = mean_of(render_film(b.scene, small_picture(), 64));
+        const Mean mean = mean_of(render_film(b.scene, small_image_settings(), 64));
         EXPECT_NEAR(mean.value[0], 1, 1e-4);
         EXPECT_LT(mean.error[0], 1e-5);
     }
@@ -99,7 +92,7 @@ TEST(Furnace, PathsEndInAClosedWhiteRoom)
         b.camera({0.3, 0.6, 0.2}, {1, 0.6, 0}, 60);
         Warnings warnings;
         const Scene scene = Scene::compile(b.scene, "", warnings);
-        const RenderSettings settings = small_picture();
+        const RenderSettings settings = small_image_settings();
         const RenderJob job(scene, settings);
         Film film(job);
         std::uint64_t rays = 0;
@@ -118,45 +111,24 @@ TEST(Furnace, TheSameForATreeOfTriangles)
 {
     // An octahedron subdivided into enough triangles to need the BVH.
     SceneBuilder b;
-    Mesh mesh;
     constexpr std::uint32_t n = 16;
-    for (int face = 0; face < 8; ++face) {
-        const float sx = face & 1 ? -1.f : 1.f, sy = face & 2 ? -1.f : 1.f, sz = face & 4 ? -1.f : 1.f;
-        const auto base = std::uint32_t(mesh.positions.size());
-        for (std::uint32_t i = 0; i <= n; ++i)
-            for (std::uint32_t j = 0; j <= n - i; ++j)
-                mesh.positions.push_back({sx * float(i) / n, sy * float(j) / n, sz * float(n - i - j) / n});
-        const auto at = [&](std::uint32_t i, std::uint32_t j) { return base + i * (n + 1) - i * (i - 1) / 2 + j; };
-        for (std::uint32_t i = 0; i < n; ++i)
-            for (std::uint32_t j = 0; j < n - i; ++j) {
-                mesh.indices.insert(mesh.indices.end(), {at(i, j), at(i + 1, j), at(i, j + 1)});
-                if (i + j + 1 < n)
-                    mesh.indices.insert(mesh.indices.end(), {at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)});
-            }
-    }
+    const Mesh mesh = octahedron_mesh(n, [](Vec3d sign, std::uint32_t i, std::uint32_t j) {
+        return Vec3f{float(sign.x) * float(i) / n, float(sign.y) * float(j) / n, float(sign.z) * float(n - i - j) / n};
+    });
     b.scene.meshes.push_back(mesh);
     b.add(MeshInstance{0}, b.diffuse(1));
-    b.scene.environment = white();
+    b.scene.environment = uniform_sky();
     b.camera({1, 2, 3}, {0, 0, 0}, 20);
-    expect_mean(render_film(b.scene, small_picture(), 32), 1);
-}
-
-/// A diffuse floor seen from above through a narrow lens; the added lights are the only illumination.
-SceneBuilder floor_scene(float albedo)
-{
-    SceneBuilder b;
-    b.add(Rectangle{{-50, 0, 50}, {100, 0, 0}, {0, 0, -100}}, b.diffuse(albedo));
-    b.camera({0, 1, 0}, {0, 0, 0}, 0.5);
-    return b;
+    expect_mean(render_film(b.scene, small_image_settings(), 32), 1);
 }
 
 TEST(Lights, SphereOverAPlane)
 {
     // E = pi L (r / d)^2 cos, exact while the sphere is entirely above the horizon.
     for (bool light_sampling : {true, false}) {
-        SceneBuilder b = floor_scene(0.5f);
+        SceneBuilder b = floor_scene(0.5f, 0.5);
         b.add(Sphere{{1.5, 3, 0}, 1, {}}, b.diffuse(0, {4, 4, 4}));
-        RenderSettings settings = small_picture(16, 16);
+        RenderSettings settings = small_image_settings(16, 16);
         settings.light_sampling = light_sampling;
         const double d2 = 1.5 * 1.5 + 9, cosine = 3 / std::sqrt(d2);
         expect_mean(render_film(b.scene, settings, light_sampling ? 64 : 4096), 0.5 * 4 / d2 * cosine, 0.003);
@@ -175,10 +147,10 @@ TEST(Lights, RectangleOverAPlane)
 {
     const double a = 2, c = 1.5, h = 1.2;
     for (bool light_sampling : {true, false}) {
-        SceneBuilder b = floor_scene(0.5f);
+        SceneBuilder b = floor_scene(0.5f, 0.5);
         b.add(Rectangle{{0, h, 0}, {a, 0, 0}, {0, 0, c}}, b.diffuse(0, {3, 3, 3}, true));
         b.scene.cameras[0].position = {-0.5, 0.5, -0.5};
-        RenderSettings settings = small_picture(16, 16);
+        RenderSettings settings = small_image_settings(16, 16);
         settings.light_sampling = light_sampling;
         expect_mean(render_film(b.scene, settings, light_sampling ? 64 : 4096), 0.5 * 3 * rectangle_factor(a, c, h),
                     0.01);
@@ -191,7 +163,7 @@ TEST(Lights, TextureOfALamp)
     const double a = 2, c = 1.5, h = 1.2;
     for (bool is_alone : {true, false})
         for (bool light_sampling : {true, false}) {
-            SceneBuilder b = floor_scene(0.5f);
+            SceneBuilder b = floor_scene(0.5f, 0.5);
             Texture halves;
             halves.kind = TextureKind::checker_uv;
             halves.uv_scale = {2, 1};
@@ -204,7 +176,7 @@ TEST(Lights, TextureOfALamp)
             if (!is_alone)
                 b.add(Rectangle{{0, -1, 0}, {a, 0, 0}, {0, 0, c}}, lamp);  // an additional light below the floor
             b.scene.cameras[0].position = {-0.5, 0.5, -0.5};
-            RenderSettings settings = small_picture(16, 16);
+            RenderSettings settings = small_image_settings(16, 16);
             settings.light_sampling = light_sampling;
             expect_mean(render_film(b.scene, settings, light_sampling ? 256 : 4096),
                         0.5 * 3 * rectangle_factor(a, c, h), 0.01);
@@ -225,7 +197,7 @@ TEST(Lights, ALimitOfDepth)
                 b.add(Rectangle{{-1, 3, -1}, {2, 0, 0}, {0, 0, 2}}, b.diffuse(0, {5, 5, 5}));
                 if (!quads) b.add(Sphere{{1, 1, 0}, 0.5, {}}, gray);
                 b.camera({0, 2, 6}, {0, 2, 0}, 50);
-                RenderSettings settings = small_picture();
+                RenderSettings settings = small_image_settings();
                 settings.light_sampling = light_sampling;
                 settings.max_depth = max_depth;
                 mean[light_sampling] = mean_of(render_film(b.scene, settings, light_sampling ? 64 : 1024));
@@ -248,7 +220,7 @@ TEST(Lights, AlphaOfALamp)
     mesh.indices = {0, 1, 3, 0, 3, 2};
     for (bool cut_out : {false, true})
         for (bool light_sampling : {true, false}) {
-            SceneBuilder b = floor_scene(0.5f);
+            SceneBuilder b = floor_scene(0.5f, 0.5);
             const int lamp = b.diffuse(0, {3, 3, 3}, true);
             Material& m = b.scene.materials[std::size_t(lamp)];
             m.alpha_mode = cut_out ? AlphaMode::mask : AlphaMode::blend;
@@ -260,7 +232,7 @@ TEST(Lights, AlphaOfALamp)
             else
                 b.add(Rectangle{{0, h, 0}, {a, 0, 0}, {0, 0, c}}, lamp);
             b.scene.cameras[0].position = {-0.5, 0.5, -0.5};
-            RenderSettings settings = small_picture(16, 16);
+            RenderSettings settings = small_image_settings(16, 16);
             settings.light_sampling = light_sampling;
             expect_mean(render_film(b.scene, settings, light_sampling ? 256 : 4096),
                         0.5 * 3 * rectangle_factor(a, c, h) * (cut_out ? 1 : 0.25), 0.01);
@@ -270,19 +242,19 @@ TEST(Lights, AlphaOfALamp)
 TEST(Lights, DiskOverAPlane)
 {
     // Disk of radius r at height h, centered above: E = pi L r^2 / (r^2 + h^2).
-    SceneBuilder b = floor_scene(0.5f);
+    SceneBuilder b = floor_scene(0.5f, 0.5);
     b.add(Disk{{0, 2, 0}, {0, -1, 0}, 1}, b.diffuse(0, {3, 3, 3}));
     b.scene.cameras[0].position = {0.3, 0.5, 0};
-    expect_mean(render_film(b.scene, small_picture(16, 16), 1024), 0.5 * 3 / 5.0, 0.005);
+    expect_mean(render_film(b.scene, small_image_settings(16, 16), 1024), 0.5 * 3 / 5.0, 0.005);
 }
 
 TEST(Lights, PointSpotAndDirectional)
 {
     const auto mean = [](const Light& light, Vec3d from) {
-        SceneBuilder b = floor_scene(0.5f);
+        SceneBuilder b = floor_scene(0.5f, 0.5);
         // The node's -z points down.
         b.light(light, Transform::translate(from) * Transform::rotate({1, 0, 0}, -std::numbers::pi / 2));
-        return render_film(b.scene, small_picture(16, 16), 16);
+        return render_film(b.scene, small_image_settings(16, 16), 16);
     };
     Light light;
     light.intensity = {5, 5, 5};
@@ -308,7 +280,7 @@ TEST(Lights, SpotOfEveryWidth)
         for (double inner : {0.0, 0.5, 1.0})
             for (double at : {0.0, 0.3, 0.75, 0.95, 1.1}) {
                 if (at * outer > 3) continue;
-                SceneBuilder b = floor_scene(0.5f);
+                SceneBuilder b = floor_scene(0.5f, 0.5);
                 b.scene.cameras[0].fov_y = outer * 1e-3;
                 Light light;
                 light.kind = LightKind::spot;
@@ -323,7 +295,7 @@ TEST(Lights, SpotOfEveryWidth)
                 const double x = inside <= 0 ? 0 : inside >= falloff ? 1 : inside / falloff;
                 SCOPED_TRACE("outer " + std::to_string(outer) + " inner " + std::to_string(inner) + " at " +
                              std::to_string(at));
-                expect_mean(render_film(b.scene, small_picture(4, 4), 4), 0.5 / std::numbers::pi * 5 / 4 * x * x,
+                expect_mean(render_film(b.scene, small_image_settings(4, 4), 4), 0.5 / std::numbers::pi * 5 / 4 * x * x,
                             0.004);
             }
 }
@@ -333,7 +305,7 @@ TEST(Lights, SpotOfEveryWidth)
 TEST(Lights, Beams)
 {
     const auto expect_beam = [](const Transform& place, bool round) {
-        SceneBuilder b = floor_scene(0.5f);
+        SceneBuilder b = floor_scene(0.5f, 0.5);
         b.scene.cameras[0].fov_y = 1e-3;
         Light light;
         light.kind = LightKind::beam;
@@ -351,7 +323,7 @@ TEST(Lights, Beams)
         const bool inside = round ? x * x + y * y < 1 : std::max(std::abs(x), std::abs(y)) < 1;
         const double expected = inside && dot(from, n) > 0 ? 0.5 / std::numbers::pi * 5 * std::max(0.0, -n.y) : 0;
         SCOPED_TRACE(std::to_string(x) + " " + std::to_string(y) + (round ? " round" : ""));
-        expect_mean(render_film(b.scene, small_picture(4, 4), 4), expected, 1e-4);
+        expect_mean(render_film(b.scene, small_image_settings(4, 4), 4), expected, 1e-4);
         return expected > 0;
     };
     int lit = 0, dark = 0;
@@ -379,7 +351,7 @@ TEST(Lights, Beams)
 TEST(Lights, BeamsBesideOthers)
 {
     for (const int others : {1, 40}) {
-        SceneBuilder b = floor_scene(0.5f);
+        SceneBuilder b = floor_scene(0.5f, 0.5);
         b.scene.cameras[0].fov_y = 1e-3;
         const Transform down = Transform::rotate({1, 0, 0}, -std::numbers::pi / 2);
         Light light;
@@ -395,7 +367,7 @@ TEST(Lights, BeamsBesideOthers)
         light.width = light.height = 0.1;
         b.light(light, Transform::translate({0, 3, 0}) * down);
         for (const LightSelection how : {LightSelection::tree, LightSelection::power, LightSelection::uniform}) {
-            RenderSettings settings = small_picture(8, 8);
+            RenderSettings settings = small_image_settings(8, 8);
             settings.light_selection = how;
             expect_mean(render_film(b.scene, settings, 4096), 0.5 / std::numbers::pi * expected,
                         how == LightSelection::tree ? 0.01 : 0.03);
@@ -407,7 +379,7 @@ TEST(Lights, BeamsBesideOthers)
 TEST(Lights, ShadowsOfBeams)
 {
     for (const double height : {0.5, 1.5}) {
-        SceneBuilder b = floor_scene(0.5f);
+        SceneBuilder b = floor_scene(0.5f, 0.5);
         b.scene.cameras[0].fov_y = 1e-3;
         b.scene.cameras[0].position = {0.3, 0.4, 0};
         Light light;
@@ -417,7 +389,8 @@ TEST(Lights, ShadowsOfBeams)
         // An object in the plane of the area does not block it either, such as the emitting surface itself.
         b.add(Rectangle{{-1, 1, -1}, {2, 0, 0}, {0, 0, 2}}, b.diffuse(0));
         b.add(Rectangle{{-0.2, height, -0.2}, {0.4, 0, 0}, {0, 0, 0.4}}, b.diffuse(0));
-        expect_mean(render_film(b.scene, small_picture(4, 4), 4), height < 1 ? 0 : 0.5 / std::numbers::pi * 5, 1e-4);
+        expect_mean(render_film(b.scene, small_image_settings(4, 4), 4), height < 1 ? 0 : 0.5 / std::numbers::pi * 5,
+                    1e-4);
     }
 }
 
@@ -428,13 +401,13 @@ TEST(Lights, AnglesNearZero)
     for (double angle : {1e-4, 1e-6, 1e-7, 1e-12, 1e-20, 1e-40, 0.0}) {
         SCOPED_TRACE(angle);
         for (LightKind kind : {LightKind::directional, LightKind::spot}) {
-            SceneBuilder b = floor_scene(0.5f);
+            SceneBuilder b = floor_scene(0.5f, 0.5);
             Light light;
             light.kind = kind;
             light.intensity = {5, 5, 5};
             light.angle = light.inner_angle = light.outer_angle = angle;
             b.light(light, Transform::translate({0, 2, 0}) * Transform::rotate({1, 0, 0}, -std::numbers::pi / 2));
-            const Film film = render_film(b.scene, small_picture(4, 4), 4);
+            const Film film = render_film(b.scene, small_image_settings(4, 4), 4);
             if (kind == LightKind::directional)
                 expect_mean(film, 0.5 / std::numbers::pi * 5);
             else
@@ -445,7 +418,7 @@ TEST(Lights, AnglesNearZero)
 
 TEST(Lights, ManyOfThemAddUp)
 {
-    SceneBuilder b = floor_scene(0.5f);
+    SceneBuilder b = floor_scene(0.5f, 0.5);
     double expected = 0;
     for (int i = 0; i < 20; ++i) {
         const double x = 0.4 * i - 4, e = 1 + i % 3;
@@ -454,7 +427,7 @@ TEST(Lights, ManyOfThemAddUp)
         const double d2 = x * x + 10, r = 0.05 + 0.002 * i;
         expected += 0.5 * e * r * r / d2 * 3 / std::sqrt(d2);
     }
-    expect_mean(render_film(b.scene, small_picture(16, 16), 256), expected, 0.01);
+    expect_mean(render_film(b.scene, small_image_settings(16, 16), 256), expected, 0.01);
 }
 
 TEST(Alpha, OfEveryShape)
@@ -471,7 +444,7 @@ TEST(Alpha, OfEveryShape)
         m.alpha.value = 0.25f;
         b.scene.nodes[0].shapes.push_back({shape, b.material(m), ""});
         b.camera({0, 0, 0}, {0, 0, -1}, 10);
-        expect_mean(render_film(b.scene, small_picture(), 256), 0.25, 0.01);
+        expect_mean(render_film(b.scene, small_image_settings(), 256), 0.25, 0.01);
     }
 }
 
@@ -509,11 +482,11 @@ TEST(Alpha, OfAStackOfLayers)
                     b.scene.roots.push_back(int(b.scene.nodes.size()));
                     b.scene.nodes.push_back(node);
                 }
-                b.scene.environment = white();
+                b.scene.environment = uniform_sky();
                 b.camera({0, 0, 0}, {0, 0, -1}, 10);
                 b.scene.cameras[0].kind = CameraKind::orthographic;
                 SCOPED_TRACE(std::to_string(copies) + " " + std::to_string(distance));
-                expect_mean(render_film(b.scene, small_picture(), 64), std::pow(1 - alpha, 4), 0);
+                expect_mean(render_film(b.scene, small_image_settings(), 64), std::pow(1 - alpha, 4), 0);
             }
 }
 
@@ -535,13 +508,13 @@ TEST(Alpha, OfEveryTexture)
             if (as_alpha) {
                 m.alpha_mode = AlphaMode::blend;
                 m.alpha = {1, 0, 0};
-                b.scene.environment = white();
+                b.scene.environment = uniform_sky();
             } else {
                 m.emission = {{1, 1, 1}, 0};
             }
             b.add(Rectangle{{-2, -2, -5}, {4, 0, 0}, {0, 4, 0}}, b.material(m));
             b.camera({0, 0, 0}, {0, 0, -1}, 30);
-            const Mean mean = mean_of(render_film(b.scene, small_picture(), 256));
+            const Mean mean = mean_of(render_film(b.scene, small_image_settings(), 256));
             EXPECT_GT(mean.value[0], 0.1);
             EXPECT_LT(mean.value[0], 0.9);
             sum += mean.value[0], error2 += mean.error[0] * mean.error[0];
@@ -568,7 +541,7 @@ TEST(Textures, OfADistortedDisk)
         b.scene.roots.push_back(1);
         b.scene.nodes.push_back(node);
         b.camera({0.3, 0.1, 3}, {0.3, 0.1, 0}, 10);
-        return mean_of(render_film(b.scene, small_picture(), 64)).value[0];
+        return mean_of(render_film(b.scene, small_image_settings(), 64)).value[0];
     };
     // The transform makes an ellipse, but so close to a circle that the image is unchanged.
     const double expected = mean({});
@@ -611,7 +584,7 @@ TEST(Textures, TurnWithTheNode)
                 b.scene.nodes.push_back(node);
                 b.camera({0.3, 0.2, 4}, {0, 0, 0}, 50);
                 if (turns_camera) b.scene.nodes[0].parent_from_node = transform.inverse();
-                pictures[turns_camera] = render_film(b.scene, small_picture(), 64).image(false, false);
+                pictures[turns_camera] = render_film(b.scene, small_image_settings(), 64).image(false, false);
             }
             double difference = 0;
             for (int y = 0; y < 24; ++y)
@@ -625,7 +598,7 @@ TEST(Textures, TurnWithTheNode)
         }
 }
 
-TEST(Glass, AbsorbsByTheWayInside)
+TEST(Glass, AbsorbsByPathLength)
 {
     // Slab at normal incidence: two transmissions, absorption, and the geometric series of internal reflections.
     SceneBuilder b;
@@ -634,10 +607,10 @@ TEST(Glass, AbsorbsByTheWayInside)
     glass.attenuation_color = {0.5f, 0.5f, 0.5f};
     glass.attenuation_distance = 2;
     b.add(Box{{-50, -50, -1}, {50, 50, 0}}, b.material(glass));
-    b.scene.environment = white();
+    b.scene.environment = uniform_sky();
     b.camera({0, 0, 1}, {0, 0, 0}, 0.5);
     const double r = 0.04, a = std::sqrt(0.5);
-    expect_mean(render_film(b.scene, small_picture(16, 16), 1024),
+    expect_mean(render_film(b.scene, small_image_settings(16, 16), 1024),
                 r + (1 - r) * (1 - r) * (a + a * a * r) / (1 - r * r * a * a), 0.005);
 }
 
@@ -646,7 +619,7 @@ TEST(Camera, DepthNormalAndPositionOfAPlane)
     SceneBuilder b;
     b.add(Rectangle{{-50, -50, -3}, {100, 0, 0}, {0, 100, 0}}, b.diffuse(0.25f));
     b.camera({1, 2, 4}, {1, 2, 0}, 30);
-    RenderSettings settings = small_picture();
+    RenderSettings settings = small_image_settings();
     settings.aovs = {Aov::albedo, Aov::normal, Aov::depth, Aov::position, Aov::material_id};
     const Image image = render_film(b.scene, settings, 4).image(false, false);
     for (std::size_t i = 0; i < 32 * 24; ++i) {

@@ -31,7 +31,7 @@ TEST(CameraForms, FieldOfViewAspectAndHeight)
             // A rectangle over half of the image's height and a quarter of its width.
             const double h = 3 * std::tan(degrees * std::numbers::pi / 360) / 2, w = h / 2 * width / height;
             s.add(Rectangle{{-w, -h, 0}, {2 * w, 0, 0}, {0, 2 * h, 0}}, s.white());
-            const std::vector<float> p = s.pixels(small_picture(width, height), 64);
+            const std::vector<float> p = s.pixels(small_image_settings(width, height), 64);
             for (int y = 0; y < height; ++y)
                 for (int x = 0; x < width; ++x) {
                     const bool in = std::abs(x + 0.5 - width / 2.0) < width / 8.0 &&
@@ -44,7 +44,7 @@ TEST(CameraForms, FieldOfViewAspectAndHeight)
                 }
             s.scene.cameras[0].kind = CameraKind::orthographic;
             s.scene.cameras[0].height = 4 * h;
-            EXPECT_NEAR(mean_of(render_film(s.scene, small_picture(width, height), 64)).value[0], 1.0 / 8, 2e-3);
+            EXPECT_NEAR(mean_of(render_film(s.scene, small_image_settings(width, height), 64)).value[0], 1.0 / 8, 2e-3);
         }
 }
 
@@ -79,7 +79,7 @@ TEST(CameraForms, WhatKeepsItsAngle)
             camera.fov_axis = c.axis, camera.fov_aspect = 2;
             if (is_orthographic) camera.kind = CameraKind::orthographic, camera.height = 2 * own;
             const double half_width = c.half_height * c.width / c.height;
-            EXPECT_NEAR(mean_of(render_film(s.scene, small_picture(c.width, c.height), 256)).value[0],
+            EXPECT_NEAR(mean_of(render_film(s.scene, small_image_settings(c.width, c.height), 256)).value[0],
                         side * side / (4 * c.half_height * half_width), 1e-3)
                 << int(c.axis) << ' ' << c.width << ' ' << c.height << ' ' << is_orthographic;
         }
@@ -102,7 +102,7 @@ TEST(CameraForms, PlaceDirectionAndRoll)
                 s.scene.nodes[0].parent_from_node =
                     Transform::translate({10, -20, 30}) * Transform::rotate({1, 2, 3}, 1) * Transform::scale({2, 2, 2});
             const int n = 64;
-            const std::vector<float> p = s.pixels(small_picture(n, n), 16);
+            const std::vector<float> p = s.pixels(small_image_settings(n, n), 16);
             double sum[3] = {}, x[3] = {}, y[3] = {};
             for (int i = 0; i < n * n; ++i)
                 for (int c = 0; c < 3; ++c) {
@@ -137,7 +137,7 @@ TEST(CameraForms, CircleOfConfusion)
         s.add(Rectangle{{-half, -half, -c.depth}, {2 * half, 0, 0}, {0, 2 * half, 0}}, s.white());
         const int n = 64;
         const std::uint64_t samples = 256;
-        const std::vector<float> p = s.pixels(small_picture(n, n), samples);
+        const std::vector<float> p = s.pixels(small_image_settings(n, n), samples);
         double sum = 0, moment[2] = {}, mean[2] = {};
         for (int i = 0; i < n * n; ++i) {
             const double v = p[std::size_t(3 * i)], at[2] = {i % n + 0.5 - n / 2.0, i / n + 0.5 - n / 2.0};
@@ -198,7 +198,7 @@ TEST(FilterForms, ResponseToAnEdge)
             s.add(upright ? Rectangle{{-50, -100, 0}, {100, 0, 0}, {0, 100, 0}}
                           : Rectangle{{0, -50, 0}, {100, 0, 0}, {0, 100, 0}},
                   s.white());
-            RenderSettings settings = small_picture(16, 16);
+            RenderSettings settings = small_image_settings(16, 16);
             settings.filter = filter;
             settings.filter_radius = radius;
             const std::vector<float> p = s.pixels(settings, 1024);
@@ -228,7 +228,7 @@ TEST(Layers, OfASphere)
         b.add(Sphere{{80, -5, 0}, 0.01, {}}, 0);
         b.add(Sphere{{1, 2, -3}, 1.5, {}}, material);
         b.camera({1, 2, 4}, {1, 2, -3}, 30);
-        RenderSettings settings = small_picture(33, 33);
+        RenderSettings settings = small_image_settings(33, 33);
         settings.aovs = {Aov::albedo, Aov::normal, Aov::depth, Aov::position, Aov::instance_id, Aov::material_id};
         settings.alpha = true;
         const Image image = render_film(b.scene, settings, 32).image(true, false);
@@ -271,7 +271,7 @@ TEST(Layers, OfPlanesAndTheirEdge)
     b.add(Rectangle{{-9, -9, 0}, {9.03, 0, 0}, {0, 12, 0}}, near);
     b.add(Rectangle{{-30, -30, -4}, {60, 0, 0}, {0, 32.1, 0}}, far);
     b.camera({0, 0, 4}, {0, 0, 0}, 90);
-    RenderSettings settings = small_picture(32, 32);
+    RenderSettings settings = small_image_settings(32, 32);
     settings.filter = Filter::box;
     settings.aovs = {Aov::albedo, Aov::normal, Aov::depth, Aov::instance_id, Aov::material_id};
     const Image image = render_film(b.scene, settings, 64).image(false, false);
@@ -288,7 +288,7 @@ TEST(Layers, OfPlanesAndTheirEdge)
     EXPECT_TRUE(id == 0 || id == 1);
     EXPECT_EQ(value("material", 1, 16, 20), id == 0 ? near : far);
     // The far plane ends 2.1 m above the axis: at 0.5 m per pixel, a fifth of the fifth row above the center.
-    EXPECT_NEAR(value("depth", 1, 25, 11), 8, 1e-4) << "what sees the sky does not count";
+    EXPECT_NEAR(value("depth", 1, 25, 11), 8, 1e-4) << "samples that miss are ignored";
     EXPECT_NEAR(value("albedo", 3, 25, 11), 0.2 * 0.25, 0.01);
     EXPECT_NEAR(value("normal", 3, 25, 11), 0, 1e-6);
     EXPECT_NEAR(image.find("normal")->pixels[3 * (32 * 11 + 25) + 2], 0.2, 0.04);
@@ -316,7 +316,7 @@ TEST(Layers, IdsOfInstances)
     b.camera({0, 0, 5}, {0, 0, 0});
     b.scene.cameras[0].kind = CameraKind::orthographic;
     b.scene.cameras[0].height = 1.2;
-    RenderSettings settings = small_picture(33, 11);
+    RenderSettings settings = small_image_settings(33, 11);
     settings.aovs = {Aov::instance_id, Aov::material_id, Aov::albedo};
     const Image image = render_film(b.scene, settings, 4).image(false, false);
     for (std::size_t i = 0; i < 3; ++i) {
@@ -340,7 +340,7 @@ TEST(Layers, NormalsOfSmoothMeshesAndBacks)
     b.add(Rectangle{{-1, -1, -4}, {0, 2, 0}, {2, 0, 0}}, b.diffuse(0.5f));  // its front faces away
     b.camera({0, 0, 5}, {0, 0, 0});
     b.scene.cameras[0].kind = CameraKind::orthographic;
-    RenderSettings settings = small_picture(16, 16);
+    RenderSettings settings = small_image_settings(16, 16);
     settings.aovs = {Aov::normal};
     const Image image = render_film(b.scene, settings, 64).image(false, false);
     const float* n = &image.find("normal")->pixels[3 * (12 * 16 + 4)];
@@ -369,7 +369,7 @@ TEST(CameraForms, AllDirections)
         b.add(Sphere{{15, 0, 0}, 0.5, {}}, b.diffuse(0, {0, 7, 0}));   // this light is on the right
         b.add(Sphere{{5, 0, 10}, 0.5, {}}, b.diffuse(0, {0, 0, 7}));   // this light is behind
         const int w = 80, h = equal_area ? 80 : 40;
-        const Film film = render_film(b.scene, small_picture(w, h), 16);
+        const Film film = render_film(b.scene, small_image_settings(w, h), 16);
         const Image image = film.image(false, false);
         const auto& pixels = image.layers[0].pixels;
         const auto at = [&](double x, double y) {

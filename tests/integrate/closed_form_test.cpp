@@ -10,28 +10,19 @@ using namespace test;
 
 constexpr double pi = std::numbers::pi;
 
-/// A diffuse floor seen from above through a narrow lens; the added lights are the only illumination.
-SceneBuilder floor_scene(float albedo)
-{
-    SceneBuilder b;
-    b.add(Rectangle{{-50, 0, 50}, {100, 0, 0}, {0, 0, -100}}, b.diffuse(albedo));
-    b.camera({0, 1, 0}, {0, 0, 0}, 0.1);
-    return b;
-}
-
 TEST(ClosedForm, PointLightsAtDistancesAndAngles)
 {
     for (double height : {0.3, 2.0, 40.0, 3000.0})
         for (double angle : {0.0, 0.7, 1.4}) {
-            SceneBuilder b = floor_scene(0.5f);
+            SceneBuilder b = floor_scene(0.5f, 0.1);
             b.scene.cameras[0].position.y = 0.1;
             Light light;
             const float intensity = float(7 * height * height);
             light.intensity = {intensity, intensity, intensity};
             b.light(light, Transform::translate({height * std::tan(angle), height, 0}));
             SCOPED_TRACE(std::to_string(height) + " " + std::to_string(angle));
-            expect_mean(render_film(b.scene, small_picture(4, 4), 4), 0.5 / pi * 7 * std::pow(std::cos(angle), 3),
-                        0.002);
+            expect_mean(render_film(b.scene, small_image_settings(4, 4), 4),
+                        0.5 / pi * 7 * std::pow(std::cos(angle), 3), 0.002);
         }
 }
 
@@ -39,7 +30,7 @@ TEST(ClosedForm, DirectionalLightsAtAngles)
 {
     for (double disk : {0.0, 1e-3, 0.3})
         for (double angle : {0.0, 0.7, 1.4}) {
-            SceneBuilder b = floor_scene(0.5f);
+            SceneBuilder b = floor_scene(0.5f, 0.1);
             Light light;
             light.kind = LightKind::directional;
             light.intensity = {7, 7, 7};
@@ -47,7 +38,7 @@ TEST(ClosedForm, DirectionalLightsAtAngles)
             b.light(light, Transform::rotate({0, 0, 1}, angle) * Transform::rotate({1, 0, 0}, -pi / 2));
             SCOPED_TRACE(std::to_string(disk) + " " + std::to_string(angle));
             // Irradiance at normal incidence times the cosine, exact while the disk is above the horizon.
-            expect_mean(render_film(b.scene, small_picture(8, 8), 256), 0.5 / pi * 7 * std::cos(angle), 0.004);
+            expect_mean(render_film(b.scene, small_image_settings(8, 8), 256), 0.5 / pi * 7 * std::cos(angle), 0.004);
         }
 }
 
@@ -56,10 +47,10 @@ TEST(ClosedForm, BallsAndDisksAtDistances)
 {
     for (bool light_sampling : {true, false})
         for (double distance : {1.5, 4.0, 10.0}) {
-            RenderSettings settings = small_picture(8, 8);
+            RenderSettings settings = small_image_settings(8, 8);
             settings.light_sampling = light_sampling;
             const std::uint64_t samples = light_sampling ? 256 : 8192;
-            SceneBuilder ball = floor_scene(0.5f);
+            SceneBuilder ball = floor_scene(0.5f, 0.1);
             ball.scene.cameras[0].position = {0.2, 0.1, 0.1};
             const double angle = 0.5;
             ball.add(Sphere{{distance * std::sin(angle), distance * std::cos(angle), 0}, 1, {}},
@@ -67,7 +58,7 @@ TEST(ClosedForm, BallsAndDisksAtDistances)
             SCOPED_TRACE(std::to_string(light_sampling) + " " + std::to_string(distance));
             expect_mean(render_film(ball.scene, settings, samples), 0.5 * 3 / (distance * distance) * std::cos(angle),
                         0.004);
-            SceneBuilder disk = floor_scene(0.5f);
+            SceneBuilder disk = floor_scene(0.5f, 0.1);
             disk.scene.cameras[0].position = {0.2, 0.1, 0.1};
             disk.add(Disk{{0, distance, 0}, {0, -1, 0}, 1}, disk.diffuse(0, {3, 3, 3}));
             expect_mean(render_film(disk.scene, settings, samples), 0.5 * 3 / (1 + distance * distance), 0.004);
@@ -79,7 +70,7 @@ void expect_irradiance(int w, int h)
 {
     SCOPED_TRACE(std::to_string(w) + "x" + std::to_string(h));
     const TemporaryFolder folder;
-    Image image = made_image(w, h);
+    Image image = make_test_image(w, h);
     for (int c = 0; c < 3; ++c) image.layers[0].pixels[std::size_t((1 * w + 5) * 3 + c)] = 20;  // a bright sun pixel
     write_image(folder.path() / "sky.exr", image, {});
     const auto texel = [&](int x, int y, int c) {
@@ -104,12 +95,12 @@ void expect_irradiance(int w, int h)
             for (int c = 0; c < 3; ++c) expected[c] += radiance(d, c) / (n * n);
         }
     for (bool light_sampling : {true, false}) {
-        SceneBuilder b = floor_scene(0.5f);
+        SceneBuilder b = floor_scene(0.5f, 0.1);
         b.scene.images.push_back({"sky", folder.path() / "sky.exr", {}});
         b.scene.environment.kind = EnvironmentKind::image;
         b.scene.environment.image = 0;
         b.scene.environment.world_from_environment = turn;
-        RenderSettings settings = small_picture(8, 8);
+        RenderSettings settings = small_image_settings(8, 8);
         settings.light_sampling = light_sampling;
         const Mean mean = mean_of(render_film(b.scene, settings, 4096));
         for (int c = 0; c < 3; ++c)
@@ -131,7 +122,7 @@ TEST(ClosedForm, IlluminanceOfPictures)
     for (const bool equal_area : {false, true}) {
         const int w = 64, h = equal_area ? 64 : 32;
         const TemporaryFolder folder;
-        Image image = made_image(w, h);
+        Image image = make_test_image(w, h);
         for (int y = 0; y < h; ++y)
             for (int x = 0; x < w; ++x) {
                 float* const pixel = &image.layers[0].pixels[std::size_t(y * w + x) * 3];
@@ -139,14 +130,14 @@ TEST(ClosedForm, IlluminanceOfPictures)
                 pixel[2] = 0.1f;
             }
         write_image(folder.path() / "sky.exr", image, {});
-        SceneBuilder b = floor_scene(0.5f);
+        SceneBuilder b = floor_scene(0.5f, 0.1);
         b.scene.images.push_back({"sky", folder.path() / "sky.exr", {}});
         b.scene.environment.kind = equal_area ? EnvironmentKind::equal_area : EnvironmentKind::image;
         b.scene.environment.image = 0;
         b.scene.environment.illuminance = 700;
         b.scene.environment.color = {2, 2, 2};
         if (equal_area) b.scene.environment.world_from_environment = Transform::rotate({1, 0, 0}, -pi / 2);
-        const Mean mean = mean_of(render_film(b.scene, small_picture(8, 8), 1024));
+        const Mean mean = mean_of(render_film(b.scene, small_image_settings(8, 8), 1024));
         const double luminance = 0.2126 * mean.value[0] + 0.7152 * mean.value[1] + 0.0722 * mean.value[2];
         EXPECT_NEAR(luminance, 0.5 / pi * 1400, 0.005 * 0.5 / pi * 1400) << equal_area;
     }
@@ -171,7 +162,7 @@ TEST(ClosedForm, LensAndFocus)
             camera.focus_distance = focus;
             const double in_focus = focus > 0 ? focus : 4;  // by default the point that the camera looks at is in focus
             const double radius = aperture / 2 * std::abs(distance - in_focus) / in_focus;
-            const Image image = render_film(b.scene, small_picture(width, width), 256).image(false, false);
+            const Image image = render_film(b.scene, small_image_settings(width, width), 256).image(false, false);
             for (int x = 0; x < width; ++x) {
                 double expected = 0;
                 constexpr int parts = 50;
@@ -209,7 +200,7 @@ TEST(ClosedForm, ChannelsOfTextures)
         light.intensity = {50, 50, 50};
         b.light(light, Transform::translate({2, 1, 2}));
         b.camera({-2, -1, 2.2}, {0, 0, 0}, 20);
-        return mean_of(render_film(b.scene, small_picture(16, 16), 16)).value[0];
+        return mean_of(render_film(b.scene, small_image_settings(16, 16), 16)).value[0];
     };
     for (FloatInput Material::* input : {&Material::roughness, &Material::metallic, &Material::alpha}) {
         double last = 0;

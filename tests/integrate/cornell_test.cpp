@@ -11,7 +11,7 @@ void expect_cornell(const char* name, const double (&expected)[3])
 {
     Warnings warnings;
     const SceneDescription scene = load_scene(std::string(FATHOM_SCENES) + "/" + name, {}, warnings);
-    RenderSettings settings = small_picture(800, 600);
+    RenderSettings settings = small_image_settings(800, 600);
     settings.max_depth = 50;
     const Mean m = mean_of(render_film(scene, settings, 64));
     for (int c = 0; c < 3; ++c) {

@@ -67,7 +67,9 @@ TEST(CurveLights, SampledOrByChanceTheSameLight)
                         floor.shutter_close = 1;
                         floor.light_sampling = light_sampling;
                         floor.samples = light_sampling ? 256 : 2048;
-                        floor.furnish = [&](SceneBuilder& b) { add_curves(b, glowing(basis, ribbons, 0.05f), place); };
+                        floor.add_objects = [&](SceneBuilder& b) {
+                            add_curves(b, glowing(basis, ribbons, 0.05f), place);
+                        };
                         mean[light_sampling] = floor.irradiance(0.1, 0.2, way);
                     }
                     EXPECT_GT(mean[1].value[0], 0.1);
@@ -88,7 +90,7 @@ TEST(CurveLights, HaveLessNoise)
                 floor.shutter_close = 1;
                 floor.light_sampling = light_sampling;
                 floor.samples = 512;
-                floor.furnish = [&](SceneBuilder& b) {
+                floor.add_objects = [&](SceneBuilder& b) {
                     add_curves(b, glowing(CurveBasis::bspline, ribbons, 0.003f), place);
                 };
                 mean[light_sampling] = floor.irradiance(0.1, 0.2, 2);
@@ -126,7 +128,7 @@ TEST(CurveLights, ARodSendsWhatACapsuleDoes)
         }
     Floor floor;
     floor.samples = 1024;
-    floor.furnish = [&](SceneBuilder& b) {
+    floor.add_objects = [&](SceneBuilder& b) {
         Curves rod;
         rod.basis = CurveBasis::linear;
         rod.points = {{float(-length / 2), float(y), 0}, {float(length / 2), float(y), 0}};

@@ -35,7 +35,7 @@ Curves winding(CurveBasis basis, bool ribbons, int points, float r)
 
 /// White curves in a white environment are invisible: no energy is lost or gained and no ray hits its own surface.
 /// Grazing light counts most, so any gap would show.
-TEST(CurvePicture, furnace)
+TEST(CurveImages, furnace)
 {
     for (CurveBasis basis : {CurveBasis::linear, CurveBasis::bezier, CurveBasis::bspline, CurveBasis::catmull_rom})
         for (bool ribbons : {false, true})
@@ -48,7 +48,7 @@ TEST(CurvePicture, furnace)
                 if (placed) s.scene.nodes[0].parent_from_node = Transform::scale({1, -0.7, 1.3});
                 s.camera({0, 0.5, 5}, {0, 0, 0});
                 s.scene.cameras[0].shutter_close = 1;
-                RenderSettings settings = small_picture();
+                RenderSettings settings = small_image_settings();
                 settings.max_depth = 200;
                 settings.roulette_depth = 200;
                 SCOPED_TRACE(testing::Message() << int(basis) << ribbons << placed << moving);
@@ -56,7 +56,7 @@ TEST(CurvePicture, furnace)
             }
 }
 
-TEST(CurvePicture, balls)
+TEST(CurveImages, balls)
 {
     SceneBuilder s;
     s.scene.environment.kind = EnvironmentKind::constant;
@@ -69,14 +69,14 @@ TEST(CurvePicture, balls)
     s.scene.points.push_back(points);
     s.add(PointsInstance{0}, s.diffuse(1));
     s.camera({0, 0, 4}, {0, 0, 0});
-    RenderSettings settings = small_picture();
+    RenderSettings settings = small_image_settings();
     settings.max_depth = 200;
     settings.roulette_depth = 200;
     expect_mean(render_film(s.scene, settings, 64), 1, 1e-3);
 }
 
 /// Points of a point cloud render like spheres up to the random order of lights, emissive or not.
-TEST(CurvePicture, balls_are_spheres)
+TEST(CurveImages, balls_are_spheres)
 {
     for (bool glow : {false, true}) {
         std::vector<Film> films;
@@ -99,7 +99,7 @@ TEST(CurvePicture, balls_are_spheres)
             if (kind == 1) s.add(PointsInstance{0}, material);
             s.add(Rectangle{{-3, -1.2, 3}, {6, 0, 0}, {0, 0, -6}}, s.diffuse(0.6f));
             s.camera({0, 1, 5}, {0, 0, 0});
-            films.push_back(render_film(s.scene, small_picture(), 16));
+            films.push_back(render_film(s.scene, small_image_settings(), 16));
         }
         const Mean a = mean_of(films[0]), b = mean_of(films[1]);
         for (int c = 0; c < 3; ++c) EXPECT_NEAR(a.value[c], b.value[c], 1e-6 * a.value[c]);
@@ -107,7 +107,7 @@ TEST(CurvePicture, balls_are_spheres)
 }
 
 /// Curves of each basis coincide with a fine polyline of it.
-TEST(CurvePicture, bases_are_what_they_say)
+TEST(CurveImages, bases_are_what_they_say)
 {
     const auto covered = [](const Curves& curves) {
         SceneBuilder s;
@@ -117,7 +117,7 @@ TEST(CurvePicture, bases_are_what_they_say)
         black.kind = MaterialKind::none;
         s.add(CurvesInstance{0}, s.material(black));
         s.camera({0, 0.5, 5}, {0, 0, 0});
-        return render_film(s.scene, small_picture(64, 48), 64).image(false, false).layers[0].pixels;
+        return render_film(s.scene, small_image_settings(64, 48), 64).image(false, false).layers[0].pixels;
     };
     for (CurveBasis basis : {CurveBasis::bezier, CurveBasis::bspline, CurveBasis::catmull_rom}) {
         const Curves curves = helix(basis, false, 13, 0.1f);

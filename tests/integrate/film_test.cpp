@@ -34,7 +34,7 @@ TEST(Film, PartsInAnyOrderMakeTheWhole)
 {
     Warnings warnings;
     const Scene scene = Scene::compile(ball(), "", warnings);
-    RenderSettings settings = small_picture();
+    RenderSettings settings = small_image_settings();
     settings.aovs = {Aov::albedo, Aov::depth, Aov::material_id};
     const Film whole = part(scene, settings, {0, 13});
     Film merged = part(scene, settings, {5, 13});
@@ -50,13 +50,13 @@ TEST(Film, RefusesWhatDoesNotBelongTogether)
 {
     Warnings warnings;
     const Scene scene = Scene::compile(ball(), "", warnings);
-    const RenderSettings settings = small_picture();
+    const RenderSettings settings = small_image_settings();
     Film film = part(scene, settings, {0, 4});
     EXPECT_THROW(film.merge(part(scene, settings, {3, 5})), Error);
     RenderSettings other = settings;
     other.seed = 1;
     EXPECT_THROW(film.merge(part(scene, other, {4, 5})), Error);
-    EXPECT_THROW(film.merge(part(scene, small_picture(8, 8), {4, 5})), Error);
+    EXPECT_THROW(film.merge(part(scene, small_image_settings(8, 8), {4, 5})), Error);
     SceneDescription moved = ball();
     moved.cameras[0].position.x = 1;
     EXPECT_THROW(film.merge(part(Scene::compile(moved, "", warnings), settings, {4, 5})), Error);
@@ -68,7 +68,7 @@ TEST(Film, ThreadsChangeNoBit)
 {
     Warnings warnings;
     const Scene scene = Scene::compile(ball(), "", warnings);
-    RenderSettings one = small_picture(), three = small_picture();
+    RenderSettings one = small_image_settings(), three = small_image_settings();
     one.threads = 1;
     three.threads = 3;
     EXPECT_TRUE(same(part(scene, one, {0, 9}), part(scene, three, {0, 9})));
@@ -78,7 +78,7 @@ TEST(Film, OneSampleReplayedIsTheOneInThePicture)
 {
     Warnings warnings;
     const Scene scene = Scene::compile(ball(), "", warnings);
-    const RenderSettings settings = small_picture();
+    const RenderSettings settings = small_image_settings();
     const Image image = part(scene, settings, {7, 8}).image(false, false);
     for (int x : {3, 16, 20}) {
         const Color c = render_sample(RenderJob(scene, settings), x, 11, 7);
@@ -90,7 +90,7 @@ TEST(Film, CropOnlyRendersItsPixels)
 {
     Warnings warnings;
     const Scene scene = Scene::compile(ball(), "", warnings);
-    RenderSettings settings = small_picture();
+    RenderSettings settings = small_image_settings();
     const Image whole = part(scene, settings, {0, 4}).image(false, false);
     settings.crop = Crop{5, 6, 9, 20};
     const Image crop = part(scene, settings, {0, 4}).image(false, false);
@@ -106,7 +106,7 @@ TEST(Film, AlphaAndBackground)
 {
     Warnings warnings;
     const Scene scene = Scene::compile(ball(), "", warnings);
-    RenderSettings settings = small_picture();
+    RenderSettings settings = small_image_settings();
     settings.alpha = true;
     settings.background = Color{0, 0, 0};
     const Image image = part(scene, settings, {0, 16}).image(true, false);

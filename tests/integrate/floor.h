@@ -13,7 +13,7 @@ public:
     static constexpr float albedo = 0.5f;
     static constexpr const char* ways[] = {"quads", "list", "tree", "instances"};
 
-    std::function<void(SceneBuilder&)> furnish;
+    std::function<void(SceneBuilder&)> add_objects;
     std::uint64_t samples = 64;
     bool light_sampling = true;
     double shutter_close = 0;
@@ -23,7 +23,7 @@ public:
     {
         SceneBuilder b;
         b.add(Rectangle{{-50, 0, 50}, {100, 0, 0}, {0, 0, -100}}, b.diffuse(albedo));
-        furnish(b);
+        add_objects(b);
         // Extra spheres far from the measured point select the rendering path.
         for (int i = 0; i < (way == 0 ? 0 : way == 1 ? 1 : 100); ++i)
             b.add(Sphere{{40 - 0.1 * i, -3, 0}, 0.02, {}}, b.diffuse(0.5f));
@@ -32,7 +32,7 @@ public:
         b.scene.cameras[0].kind = CameraKind::orthographic;
         b.scene.cameras[0].height = 1e-3;
         b.scene.cameras[0].shutter_close = shutter_close;
-        RenderSettings settings = small_picture(8, 8);
+        RenderSettings settings = small_image_settings(8, 8);
         settings.light_sampling = light_sampling;
         Mean m = mean_of(render_film(b.scene, settings, samples));
         for (int c = 0; c < 3; ++c) {

@@ -7,17 +7,9 @@ namespace {
 
 using namespace test;
 
-Environment sky(Color color)
-{
-    Environment e;
-    e.kind = EnvironmentKind::constant;
-    e.color = color;
-    return e;
-}
-
 /// Glass of index 1 neither reflects nor refracts: transmission follows the Beer-Lambert law by the distance in the
 /// slab, per channel.
-TEST(GlassForms, AbsorptionByTheLengthOfTheWay)
+TEST(GlassForms, AbsorptionByPathLength)
 {
     for (const bool tree : {false, true})
         for (double degrees : {0.0, 40.0, 65.0})
@@ -30,11 +22,11 @@ TEST(GlassForms, AbsorptionByTheLengthOfTheWay)
                 glass.attenuation_distance = 2 * size;
                 b.add(Box{{-50 * size, -50 * size, -1.5 * size}, {50 * size, 50 * size, 0}}, b.material(glass));
                 for (int i = 0; i < (tree ? 100 : 0); ++i) b.add(Sphere{{0, 1e3 * size + i, 1e3 * size}, 0.1, {}}, 0);
-                b.scene.environment = sky({1, 2, 4});
+                b.scene.environment = uniform_sky({1, 2, 4});
                 const double a = degrees * std::numbers::pi / 180;
                 const Vec3d d{std::sin(a), 0, -std::cos(a)};
                 b.camera(d * -size, {0, 0, 0}, 0.01);
-                const Mean m = mean_of(render_film(b.scene, small_picture(4, 4), 64));
+                const Mean m = mean_of(render_film(b.scene, small_image_settings(4, 4), 64));
                 const double color[] = {0.25, 0.5, 0.9}, light[] = {1, 2, 4};
                 for (int c = 0; c < 3; ++c) {
                     const double expected = light[c] * std::pow(color[c], 0.75 / std::cos(a));
@@ -72,7 +64,7 @@ TEST(GlassForms, ASlabShiftsWhatIsBehindIt)
             b.camera(d * -15, {0, 0, 0});
             b.scene.cameras[0].kind = CameraKind::orthographic;
             b.scene.cameras[0].height = 4;
-            RenderSettings settings = small_picture(64, 16);
+            RenderSettings settings = small_image_settings(64, 16);
             // Straight transmission takes two refractions, or one event of thin glass.
             settings.max_depth = thin ? 1 : 2;
             const Image image = render_film(b.scene, settings, 256).image(false, false);
@@ -111,17 +103,17 @@ TEST(MirrorForms, ShowsTheMirroredDirection)
     light.base_color.value = {2, 2, 2};
     b.add(Sphere{{3, 3, 0}, 0.5, {}}, b.material(light));
     b.camera({-3, 3, 0}, {0, 0, 0}, 1);
-    const Mean m = mean_of(render_film(b.scene, small_picture(4, 4), 16));
+    const Mean m = mean_of(render_film(b.scene, small_image_settings(4, 4), 16));
     // Schlick's reflectance at 45 degrees.
     const double w = std::pow(1 - std::sqrt(0.5), 5), color[] = {0.9, 0.6, 0.3};
     for (int c = 0; c < 3; ++c) EXPECT_NEAR(m.value[c], 2 * (color[c] + (1 - color[c]) * w), 2e-3);
     b.scene.nodes[0].shapes.pop_back();
-    EXPECT_EQ(mean_of(render_film(b.scene, small_picture(4, 4), 16)).value[0], 0);
+    EXPECT_EQ(mean_of(render_film(b.scene, small_image_settings(4, 4), 16)).value[0], 0);
 }
 
 /// A clear glass sphere loses nothing at any roulette depth and is invisible in a white sky. For colored glass early
 /// roulette only adds noise.
-TEST(GlassForms, RouletteLosesNothing)
+TEST(GlassForms, RouletteIsUnbiased)
 {
     Mean means[2][2];
     for (const bool coloured : {false, true})
@@ -132,9 +124,9 @@ TEST(GlassForms, RouletteLosesNothing)
             if (coloured) glass.transmission_color.value = {0.5f, 0.7f, 0.9f};
             b.add(Sphere{{0, 0, 0}, 1, {}}, b.material(glass));
             b.add(Sphere{{0, 0, 0}, -0.6, {}}, b.material(glass));
-            b.scene.environment = sky({1, 1, 1});
+            b.scene.environment = uniform_sky({1, 1, 1});
             b.camera({0, 0, 3}, {0, 0, 0}, 30);
-            RenderSettings settings = small_picture(16, 16);
+            RenderSettings settings = small_image_settings(16, 16);
             settings.roulette_depth = early ? 0 : 100;
             means[coloured][early] = mean_of(render_film(b.scene, settings, 256));
         }

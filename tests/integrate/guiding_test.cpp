@@ -21,7 +21,7 @@ void add_room(SceneBuilder& b, int walls)
 
 /// Two chambers joined by a gap of the given width: the light is in one, the camera in the other with a sphere of the
 /// material.
-SceneDescription next_door(const Material& material, const Material& walls, double gap = 0.6)
+SceneDescription two_chambers(const Material& material, const Material& walls, double gap = 0.6)
 {
     SceneBuilder b;
     const int wall = b.material(walls);
@@ -49,7 +49,7 @@ Material of_kind(MaterialKind kind, float roughness, float metallic = 0)
     return m;
 }
 
-RenderSettings guided(RenderSettings settings = small_picture())
+RenderSettings guided(RenderSettings settings = small_image_settings())
 {
     settings.guiding = true;
     return settings;
@@ -84,7 +84,7 @@ RenderCosts costs_of(const SceneDescription& description, const RenderSettings& 
 }
 
 /// Fraction of path vertices at which NEE samples a light.
-double light_share(const SceneDescription& description, const RenderSettings& settings)
+double nee_fraction(const SceneDescription& description, const RenderSettings& settings)
 {
     const RenderCosts costs = costs_of(description, settings, 64);
     return double(costs.light_samples) / double(costs.vertices);
@@ -104,28 +104,29 @@ TEST(Guiding, ChangesTheNoiseOnly)
                           {"layers", coated},
                           {"glass", of_kind(MaterialKind::glass, 0)},
                           {"mirror", of_kind(MaterialKind::metal, 0)}}) {
-        const SceneDescription scene = next_door(c.material, gray(0.7f), 1);
+        const SceneDescription scene = two_chambers(c.material, gray(0.7f), 1);
         expect_in_use(scene, guided(), c.what);
-        expect_same_mean(render_film(scene, guided(), 1024), render_film(scene, small_picture(), 2048), c.what);
+        expect_same_mean(render_film(scene, guided(), 1024), render_film(scene, small_image_settings(), 2048), c.what);
     }
 }
 
 TEST(Guiding, ChangesTheNoiseOnlyWhereLightsAreFoundByChance)
 {
-    const SceneDescription scene = next_door(gray(0.8f), gray(0.7f), 2);
-    RenderSettings settings = small_picture();
+    const SceneDescription scene = two_chambers(gray(0.8f), gray(0.7f), 2);
+    RenderSettings settings = small_image_settings();
     settings.light_sampling = false;
     expect_in_use(scene, guided(settings), "by chance");
-    expect_same_mean(render_film(scene, guided(settings), 4096), render_film(scene, small_picture(), 2048),
+    expect_same_mean(render_film(scene, guided(settings), 4096), render_film(scene, small_image_settings(), 2048),
                      "by chance");
 }
 
 /// Glossy walls: guiding gets a lower weight, and roulette uses their reflectance.
 TEST(Guiding, ChangesTheNoiseOnlyBetweenGlossyWalls)
 {
-    const SceneDescription scene = next_door(gray(0.8f), of_kind(MaterialKind::principled, 0.4f, 0.25f), 1);
+    const SceneDescription scene = two_chambers(gray(0.8f), of_kind(MaterialKind::principled, 0.4f, 0.25f), 1);
     expect_in_use(scene, guided(), "glossy walls");
-    expect_same_mean(render_film(scene, guided(), 2048), render_film(scene, small_picture(), 4096), "glossy walls");
+    expect_same_mean(render_film(scene, guided(), 2048), render_film(scene, small_image_settings(), 4096),
+                     "glossy walls");
 }
 
 /// Two rooms joined by a hole of the given width in the ceiling; the square light, of the given edge, is in the upper
@@ -133,7 +134,7 @@ TEST(Guiding, ChangesTheNoiseOnlyBetweenGlossyWalls)
 ///
 /// The light is visible almost everywhere above and hardly anywhere below. Guiding cells of both rooms are neighbors
 /// across the thin ceiling along y, the axis of the second random number of the position jitter.
-SceneBuilder upstairs(const Material& walls, double hole, double lamp)
+SceneBuilder two_floors(const Material& walls, double hole, double lamp)
 {
     SceneBuilder b;
     const int wall = b.material(walls);
@@ -149,16 +150,16 @@ SceneBuilder upstairs(const Material& walls, double hole, double lamp)
 /// MIS.
 TEST(Guiding, SamplesLightsByChanceWhereTheyRarelyArrive)
 {
-    const SceneDescription scene = upstairs(gray(0.8f), 0.3, 1.8).scene;
-    EXPECT_LT(light_share(scene, guided()), 0.45);
-    EXPECT_EQ(light_share(scene, small_picture()), 1);
-    expect_same_mean(render_film(scene, guided(), 4096), render_film(scene, small_picture(), 4096), "upstairs");
+    const SceneDescription scene = two_floors(gray(0.8f), 0.3, 1.8).scene;
+    EXPECT_LT(nee_fraction(scene, guided()), 0.45);
+    EXPECT_EQ(nee_fraction(scene, small_image_settings()), 1);
+    expect_same_mean(render_film(scene, guided(), 4096), render_film(scene, small_image_settings(), 4096), "upstairs");
 }
 
 /// Probabilistic NEE stays unbiased if shadow rays pass a thin pane and fog, where NEE is used as well.
 TEST(Guiding, SamplesLightsByChanceInFog)
 {
-    SceneBuilder b = upstairs(gray(0.85f), 1, 1);
+    SceneBuilder b = two_floors(gray(0.85f), 1, 1);
     Material pane, fog;
     pane.kind = fog.kind = MaterialKind::glass;
     pane.thin = true;
@@ -168,20 +169,20 @@ TEST(Guiding, SamplesLightsByChanceInFog)
     fog.attenuation_color = {0.85f, 0.85f, 0.85f};
     fog.transmission_scatter = {0.15f, 0.15f, 0.15f};
     b.add(Box{{-1.9, 0.1, -1.9}, {1.7, 1.4, 1.9}}, b.material(fog));
-    EXPECT_LT(light_share(b.scene, guided()), 0.45);
-    expect_same_mean(render_film(b.scene, guided(), 768), render_film(b.scene, small_picture(), 1536), "fog");
+    EXPECT_LT(nee_fraction(b.scene, guided()), 0.45);
+    expect_same_mean(render_film(b.scene, guided(), 768), render_film(b.scene, small_image_settings(), 1536), "fog");
 }
 
 /// If learning finds NEE useful at most vertices, it is used at every surface.
 TEST(Guiding, SamplesLightsEverywhereWhereTheyArrive)
 {
-    const SceneDescription scene = upstairs(gray(0.7f), 2, 2).scene;
+    const SceneDescription scene = two_floors(gray(0.7f), 2, 2).scene;
     expect_in_use(scene, guided(), "wide hole");
-    EXPECT_EQ(light_share(scene, guided()), 1);
+    EXPECT_EQ(nee_fraction(scene, guided()), 1);
 }
 
 /// Fraction of light samples whose shadow ray is traced.
-double shadow_share(const SceneDescription& description, const RenderSettings& settings)
+double shadow_ray_fraction(const SceneDescription& description, const RenderSettings& settings)
 {
     const RenderCosts costs = costs_of(description, settings, 64);
     return double(costs.rays[std::size_t(RayKind::shadow)]) / double(costs.light_samples);
@@ -190,9 +191,9 @@ double shadow_share(const SceneDescription& description, const RenderSettings& s
 /// Shadow rays far from a light contribute little; roulette skips some of them and weights up the others.
 TEST(Guiding, TracesShadowRaysThatAreWorthIt)
 {
-    const SceneDescription scene = upstairs(gray(0.7f), 2, 2).scene;
-    EXPECT_LT(shadow_share(scene, guided()), 0.88 * shadow_share(scene, small_picture()));
-    expect_same_mean(render_film(scene, guided(), 2048), render_film(scene, small_picture(), 4096), "lamp");
+    const SceneDescription scene = two_floors(gray(0.7f), 2, 2).scene;
+    EXPECT_LT(shadow_ray_fraction(scene, guided()), 0.88 * shadow_ray_fraction(scene, small_image_settings()));
+    expect_same_mean(render_film(scene, guided(), 2048), render_film(scene, small_image_settings(), 4096), "lamp");
 }
 
 /// A room open to the sky, which only unoccluded rays reach.
@@ -210,7 +211,7 @@ TEST(Guiding, ChangesTheNoiseOnlyBelowASky)
     b.scene.environment.to_sun = {-1, 1, 0.3};
     b.camera({1.9, 1.5, -1.8}, {0.6, 0.9, 0.6}, 70);
     expect_in_use(b.scene, guided(), "sky");
-    expect_same_mean(render_film(b.scene, guided(), 2048), render_film(b.scene, small_picture(), 4096), "sky");
+    expect_same_mean(render_film(b.scene, guided(), 2048), render_film(b.scene, small_image_settings(), 4096), "sky");
 }
 
 /// A closed room whose walls have emission 1 and albedo 1/2 has radiance 2 everywhere.
@@ -235,17 +236,17 @@ double mean_variance(const Film& film)
 
 TEST(Guiding, MakesLessNoiseNextDoor)
 {
-    const SceneDescription scene = next_door(gray(0.8f), gray(0.7f));
+    const SceneDescription scene = two_chambers(gray(0.8f), gray(0.7f));
     EXPECT_LT(mean_variance(render_film(scene, guided(), 512)),
-              0.4 * mean_variance(render_film(scene, small_picture(), 512)));
+              0.4 * mean_variance(render_film(scene, small_image_settings(), 512)));
 }
 
 /// With a known expected contribution, roulette may start at any depth.
 TEST(Guiding, EndsPathsThatBringLittle)
 {
-    const SceneDescription scene = next_door(gray(0.8f), gray(0.7f));
+    const SceneDescription scene = two_chambers(gray(0.8f), gray(0.7f));
     const auto vertices = [&](const RenderSettings& s) { return double(costs_of(scene, s, 64).vertices); };
-    RenderSettings patient = small_picture();
+    RenderSettings patient = small_image_settings();
     patient.roulette_depth = 40;
     EXPECT_LT(vertices(guided(patient)), 0.25 * vertices(patient));
 }
@@ -253,16 +254,16 @@ TEST(Guiding, EndsPathsThatBringLittle)
 /// On dark surfaces roulette ends most paths.
 TEST(Guiding, EndsPathsOnDarkSurfaces)
 {
-    const SceneDescription scene = next_door(gray(0.3f), gray(0.3f));
+    const SceneDescription scene = two_chambers(gray(0.3f), gray(0.3f));
     const auto vertices = [&](const RenderSettings& s) { return double(costs_of(scene, s, 64).vertices); };
     expect_in_use(scene, guided(), "dark");
-    EXPECT_LT(vertices(guided()), 0.55 * vertices(small_picture()));
+    EXPECT_LT(vertices(guided()), 0.55 * vertices(small_image_settings()));
 }
 
 TEST(Guiding, HasTheSameBitsForAnyThreadsPassesAndCrop)
 {
     Warnings warnings;
-    const Scene scene = Scene::compile(next_door(of_kind(MaterialKind::principled, 0.4f), gray(0.7f)), "", warnings);
+    const Scene scene = Scene::compile(two_chambers(of_kind(MaterialKind::principled, 0.4f), gray(0.7f)), "", warnings);
     const auto words = [&](RenderSettings settings, const std::vector<SampleRange>& ranges) {
         const RenderJob job(scene, settings);
         Film film(job);
@@ -286,7 +287,7 @@ TEST(Guiding, HasTheSameBitsForAnyThreadsPassesAndCrop)
 TEST(Guiding, ReplaysASample)
 {
     Warnings warnings;
-    const Scene scene = Scene::compile(next_door(gray(0.8f), gray(0.7f)), "", warnings);
+    const Scene scene = Scene::compile(two_chambers(gray(0.8f), gray(0.7f)), "", warnings);
     const RenderJob job(scene, guided());
     Film film(job);
     render(job, {7, 8}, film);
@@ -314,7 +315,7 @@ SceneDescription lamp_above()
 TEST(Guiding, IsLeftOutWhereItWouldNotPay)
 {
     const SceneDescription scene = lamp_above();
-    EXPECT_EQ(render_film(scene, guided(), 8).sums().words, render_film(scene, small_picture(), 8).sums().words);
+    EXPECT_EQ(render_film(scene, guided(), 8).sums().words, render_film(scene, small_image_settings(), 8).sums().words);
 }
 
 /// Time for learning is reported even if guiding is then disabled; without guiding it is 0.
@@ -325,9 +326,9 @@ TEST(Guiding, TellsTheTimeThatWasSpentOnLearning)
         return costs_of(scene, settings, 1).seconds[std::size_t(RenderStage::learn)];
     };
     // Learning traces a quarter of a million paths, which takes at least a millisecond anywhere.
-    EXPECT_GT(learning_s(next_door(gray(0.8f), gray(0.7f)), guided()), 0.001);
+    EXPECT_GT(learning_s(two_chambers(gray(0.8f), gray(0.7f)), guided()), 0.001);
     EXPECT_GT(learning_s(lamp_above(), guided()), 0.001);
-    EXPECT_EQ(learning_s(lamp_above(), small_picture()), 0);
+    EXPECT_EQ(learning_s(lamp_above(), small_image_settings()), 0);
 }
 
 /// No surface is hit, so there is nothing to learn from.

@@ -29,7 +29,7 @@ Material glass(float ior)
 }
 
 /// Clear glass loses and gains nothing: it is invisible in a white environment.
-TEST(Fibres, ClearGlassInAWhiteSky)
+TEST(HairLobes, ClearGlassInAWhiteSky)
 {
     for (const CurveBasis basis :
          {CurveBasis::linear, CurveBasis::bezier, CurveBasis::bspline, CurveBasis::catmull_rom})
@@ -47,7 +47,7 @@ TEST(Fibres, ClearGlassInAWhiteSky)
             if (placed) s.scene.nodes[0].parent_from_node = Transform::scale({1, -0.7, 1.3});
             s.camera({0, 0.5, 5}, {0, 0, 0});
             s.scene.cameras[0].shutter_close = 1;
-            RenderSettings settings = small_picture();
+            RenderSettings settings = small_image_settings();
             settings.max_depth = 1000;
             settings.roulette_depth = 1000;
             SCOPED_TRACE(testing::Message() << int(basis) << placed << moving);
@@ -56,7 +56,7 @@ TEST(Fibres, ClearGlassInAWhiteSky)
 }
 
 /// Distance of a ray inside the spheres swept along a chain of points, by small steps.
-double way_within(const Curves& chain, Vec3d o, Vec3d d)
+double distance_inside(const Curves& chain, Vec3d o, Vec3d d)
 {
     const auto is_within = [&](Vec3d p) {
         for (std::size_t i = 0; i + 1 < chain.points.size(); ++i) {
@@ -76,7 +76,7 @@ double way_within(const Curves& chain, Vec3d o, Vec3d d)
 
 /// Glass of index 1 does not refract: transmission follows the Beer-Lambert law by the total distance inside all
 /// pieces. Cameras outside and inside.
-TEST(Fibres, AbsorbByTheWayThroughAllPieces)
+TEST(HairLobes, AbsorbByThePathLengthThroughAllSegments)
 {
     const Curves chain = bent(CurveBasis::linear);
     Material clear = glass(1);
@@ -95,16 +95,17 @@ TEST(Fibres, AbsorbByTheWayThroughAllPieces)
         s.scene.curves.push_back(chain);
         s.add(CurvesInstance{0}, s.material(clear));
         s.camera(from, from + d, 1e-3);
-        const double way = way_within(chain, from, d);
+        const double way = distance_inside(chain, from, d);
         thick += way > 0.1;
-        EXPECT_NEAR(mean_of(render_film(s.scene, small_picture(4, 4), 4)).value[0], std::pow(0.3, way / 0.2), 0.02)
+        EXPECT_NEAR(mean_of(render_film(s.scene, small_image_settings(4, 4), 4)).value[0], std::pow(0.3, way / 0.2),
+                    0.02)
             << i << ": " << way;
     }
     EXPECT_GT(thick, 25);
 }
 
 /// A straight glass curve renders like a fine cylinder of triangles.
-TEST(Fibres, AreCylindersOfGlass)
+TEST(HairLobes, MatchGlassCylinders)
 {
     Mean mean[2];
     for (const bool mesh : {false, true}) {
@@ -137,7 +138,7 @@ TEST(Fibres, AreCylindersOfGlass)
             s.add(CurvesInstance{0}, material);
         }
         s.camera({0.5, 1, 5}, {0, 0.3, 0}, 30);
-        mean[mesh] = mean_of(render_film(s.scene, small_picture(), 1024));
+        mean[mesh] = mean_of(render_film(s.scene, small_image_settings(), 1024));
     }
     EXPECT_NEAR(mean[0].value[0], mean[1].value[0],
                 4 * std::hypot(mean[0].error[0], mean[1].error[0]) + 1e-3 * mean[1].value[0]);

@@ -59,7 +59,7 @@ TEST(Hair, WhiteInAWhiteSky)
             if (placed) s.scene.nodes[0].parent_from_node = Transform::scale({1, -0.7, 1.3});
             s.camera({0, 0.5, 5}, {0, 0, 0});
             s.scene.cameras[0].shutter_close = 1;
-            RenderSettings settings = small_picture();
+            RenderSettings settings = small_image_settings();
             settings.max_depth = settings.roulette_depth = 200;
             SCOPED_TRACE(testing::Message() << int(basis) << placed << moving << ribbons);
             expect_mean(render_film(s.scene, settings, 64), 1, 1e-3);
@@ -67,7 +67,7 @@ TEST(Hair, WhiteInAWhiteSky)
 }
 
 /// Directional albedo of a fiber hit at offset h from straight ahead, in double precision.
-double share(double h, double sigma)
+double directional_albedo(double h, double sigma)
 {
     const double eta = 1.55, c = std::sqrt(1 - h * h), t = std::sqrt(1 - (1 - c * c) / (eta * eta));
     const double p = (eta * c - t) / (eta * c + t), q = (c - eta * t) / (c + eta * t), f = (p * p + q * q) / 2;
@@ -90,7 +90,7 @@ TEST(Hair, AbsorbsByWhereAcrossTheWidthItIsMet)
             // The camera moves with the rod.
             const double height = 16;
             s.camera({0, 0, 100}, {0, 0, 0}, 2 * std::atan(0.01) * 180 / std::numbers::pi);
-            const Film film = render_film(s.scene, small_picture(16, int(height)), 256);
+            const Film film = render_film(s.scene, small_image_settings(16, int(height)), 256);
             const Image image = film.image(false, true);
             const auto& pixels = image.layers[0].pixels;
             for (std::size_t row = 0; row < 16; ++row)
@@ -99,7 +99,8 @@ TEST(Hair, AbsorbsByWhereAcrossTheWidthItIsMet)
                     for (std::size_t x = 0; x < 16; ++x) mean += pixels[(row * 16 + x) * 3 + c] / 16;
                     constexpr int steps = 64;
                     for (int k = 0; k < steps; ++k)
-                        expected += share(2 * (double(row) + (k + 0.5) / steps) / height - 1, sigma[c]) / steps;
+                        expected +=
+                            directional_albedo(2 * (double(row) + (k + 0.5) / steps) / height - 1, sigma[c]) / steps;
                     EXPECT_NEAR(mean, expected, 0.01 * expected + 0.002) << ribbons << placed << " " << row << " " << c;
                 }
         }
@@ -118,7 +119,7 @@ TEST(Hair, IsLitFromBehind)
             s.camera({0, 0.3, 8}, {0, 0, 0}, 20);
             // A square light close behind the rod.
             s.add(Rectangle{{-4, -4, -3}, {8, 0, 0}, {0, 8, 0}}, s.diffuse(0, {1, 1, 1}));
-            RenderSettings settings = small_picture(16, 16);
+            RenderSettings settings = small_image_settings(16, 16);
             settings.light_sampling = sampled;
             mean[sampled] = mean_of(render_film(s.scene, settings, 2048));
         }
@@ -129,7 +130,7 @@ TEST(Hair, IsLitFromBehind)
 }
 
 /// The first nonzero of melanin, absorption and color determines the absorption.
-TEST(Hair, ColourByMelaninAbsorptionOrColour)
+TEST(Hair, ColorByMelaninAbsorptionOrColor)
 {
     const auto albedo = [](const Material& m) {
         SceneBuilder s;
@@ -137,7 +138,7 @@ TEST(Hair, ColourByMelaninAbsorptionOrColour)
         s.scene.curves.push_back(straight(false));
         s.add(CurvesInstance{0}, s.material(m));
         s.camera({0, 0, 100}, {0, 0, 0}, 1);
-        return mean_of(render_film(s.scene, small_picture(16, 16), 64));
+        return mean_of(render_film(s.scene, small_image_settings(16, 16), 64));
     };
     Material by_melanin = hair({0, 0, 0}), both = hair({0.3f, 0.3f, 0.3f});
     by_melanin.eumelanin = 0.8f, by_melanin.pheomelanin = 0.5f;
@@ -176,7 +177,7 @@ TEST(Hair, OnOtherShapes)
         if (shape == 2) s.add(Rectangle{{-1, -1, 0}, {2, 0, 0}, {0, 2, 0}}, m);
         if (shape == 3) s.add(MeshInstance{0}, m);
         s.camera({0, 0.5, 5}, {0, 0, 0});
-        RenderSettings settings = small_picture();
+        RenderSettings settings = small_image_settings();
         settings.max_depth = settings.roulette_depth = 1000;
         SCOPED_TRACE(shape);
         expect_mean(render_film(s.scene, settings, 64), 1, 1e-3);
@@ -205,10 +206,10 @@ TEST(Hair, OnABandOfTrianglesAsOnARibbon)
             // The upper or lower half, illuminated from above: they differ.
             Light sun;
             sun.kind = LightKind::directional;
-            s.light(sun, shining({0.1, -1, -0.4}));
+            s.light(sun, rotate_to({0.1, -1, -0.4}));
             const double y = above ? 0.5 : -0.5;
             s.camera({0, y, 100}, {0, y, 0}, 0.5);
-            mean[mesh][above] = mean_of(render_film(s.scene, small_picture(16, 16), 64));
+            mean[mesh][above] = mean_of(render_film(s.scene, small_image_settings(16, 16), 64));
         }
     for (const bool above : {false, true})
         EXPECT_NEAR(mean[0][above].value[0], mean[1][above].value[0], 0.01 * mean[0][above].value[0]);

@@ -95,11 +95,11 @@ void expect_limited(const SceneDescription& description, RenderSettings settings
     EXPECT_GT(direct, 20);
 }
 
-TEST(IndirectClamp, LimitsWhatComesByTwoSurfacesInEachLoop)
+TEST(IndirectClamp, LimitsIndirectLightInEachLoop)
 {
     for (const bool light_sampling : {true, false}) {
         SCOPED_TRACE(light_sampling);
-        RenderSettings settings = small_picture();
+        RenderSettings settings = small_image_settings();
         settings.light_sampling = light_sampling;
         // The quad loop uses other random numbers, so both films use the general loop.
         settings.general_loop = true;
@@ -113,8 +113,8 @@ TEST(IndirectClamp, LimitsWhatComesByTwoSurfacesInEachLoop)
 
 TEST(IndirectClamp, RoomsOfQuadsAreLimitedToo)
 {
-    const double unlimited = mean_of(render_film(room().scene, small_picture(), 64)).value[1];
-    RenderSettings settings = small_picture();
+    const double unlimited = mean_of(render_film(room().scene, small_image_settings(), 64)).value[1];
+    RenderSettings settings = small_image_settings();
     settings.clamp_indirect = 0.1f;
     const Film film = render_film(room().scene, settings, 64);
     settings.max_depth = 1;
@@ -126,7 +126,7 @@ TEST(IndirectClamp, RoomsOfQuadsAreLimitedToo)
 
 TEST(IndirectClamp, FarAboveAllLightChangesNoBit)
 {
-    RenderSettings settings = small_picture(), limited = settings;
+    RenderSettings settings = small_image_settings(), limited = settings;
     limited.clamp_indirect = 1e20f;
     const SceneDescription scene = room_with_a_tree().scene;
     EXPECT_EQ(render_film(scene, settings, 16).image(false, true).layers[0].pixels,
@@ -134,9 +134,9 @@ TEST(IndirectClamp, FarAboveAllLightChangesNoBit)
 }
 
 /// The warned-about caustic noise of few samples disappears with clamping.
-TEST(IndirectClamp, HidesTheFirefliesThatAreTold)
+TEST(IndirectClamp, RemovesReportedFireflies)
 {
-    RenderSettings settings = small_picture(64, 48);
+    RenderSettings settings = small_image_settings(64, 48);
     const SceneDescription scene = room_with_glass().scene;
     const Film::Fireflies before = render_film(scene, settings, 64).fireflies();
     settings.clamp_indirect = 1;

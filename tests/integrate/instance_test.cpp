@@ -31,7 +31,7 @@ Mesh ball(bool normals)
 
 /// Instances render like transformed copies: stretched and mirrored, nested three deep, with colored glass, which needs
 /// inside and outside, and directional light.
-TEST(InstancePicture, is_that_of_the_mesh_itself)
+TEST(InstanceImages, is_that_of_the_mesh_itself)
 {
     for (bool normals : {false, true})
         for (bool glass : {false, true}) {
@@ -73,7 +73,7 @@ TEST(InstancePicture, is_that_of_the_mesh_itself)
                 Warnings warnings;
                 const Scene scene = Scene::compile(s.scene, "", warnings);
                 EXPECT_EQ(scene.statistics().instances, instances ? 4u : 0u);
-                means[instances] = mean_of(render_film(s.scene, small_picture(), 64));
+                means[instances] = mean_of(render_film(s.scene, small_image_settings(), 64));
             }
             for (int c = 0; c < 3; ++c)
                 EXPECT_NEAR(means[0].value[c], means[1].value[c], 2e-3 * means[0].value[c]) << normals << glass << c;

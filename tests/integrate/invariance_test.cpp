@@ -38,18 +38,18 @@ double mean_difference(const Film& a, const Film& b)
 
 TEST(Invariance, ScaleByPowersOfTwoChangesNoBit)
 {
-    const Film one = render_film(corner(1, {}), small_picture(), 8);
-    EXPECT_EQ(mean_difference(one, render_film(corner(0x1p-20, {}), small_picture(), 8)), 0);
-    EXPECT_EQ(mean_difference(one, render_film(corner(0x1p20, {}), small_picture(), 8)), 0);
+    const Film one = render_film(corner(1, {}), small_image_settings(), 8);
+    EXPECT_EQ(mean_difference(one, render_film(corner(0x1p-20, {}), small_image_settings(), 8)), 0);
+    EXPECT_EQ(mean_difference(one, render_film(corner(0x1p20, {}), small_image_settings(), 8)), 0);
 }
 
 TEST(Invariance, ScaleAndPlaceChangeThePictureByRoundingOnly)
 {
-    const Film one = render_film(corner(1, {}), small_picture(), 64);
+    const Film one = render_film(corner(1, {}), small_image_settings(), 64);
     const Mean expected = mean_of(one);
     for (double s : {1e-6, 1e-3, 1e6})
         for (double far : {0.0, 1e7}) {
-            const Film other = render_film(corner(s, Vec3d{far, -far, far} * (4 * s)), small_picture(), 64);
+            const Film other = render_film(corner(s, Vec3d{far, -far, far} * (4 * s)), small_image_settings(), 64);
             // With equal random numbers, paths differ only where rounding decides.
             EXPECT_LT(mean_difference(one, other), 0.01) << s << " " << far;
             EXPECT_NEAR(mean_of(other).value[0], expected.value[0], 4 * expected.error[0]) << s << " " << far;
@@ -76,15 +76,15 @@ TEST(Triangles, APairIsThePictureOfItsParallelogram)
         b.camera({0.5, 2, 5}, {0, 0.8, 0});
         return b.scene;
     };
-    const Mean a = mean_of(render_film(scene(false), small_picture(), 256)),
-               b = mean_of(render_film(scene(true), small_picture(), 256));
+    const Mean a = mean_of(render_film(scene(false), small_image_settings(), 256)),
+               b = mean_of(render_film(scene(true), small_image_settings(), 256));
     EXPECT_GT(a.value[0], 0.1);
     EXPECT_NEAR(a.value[0], b.value[0], 4 * std::hypot(a.error[0], b.error[0]));
 }
 
 TEST(Estimators, LightSamplingOnlyChangesTheNoise)
 {
-    RenderSettings settings = small_picture();
+    RenderSettings settings = small_image_settings();
     const Mean with = mean_of(render_film(corner(1, {}), settings, 256));
     settings.light_sampling = false;
     const Mean without = mean_of(render_film(corner(1, {}), settings, 4096));
@@ -94,7 +94,7 @@ TEST(Estimators, LightSamplingOnlyChangesTheNoise)
 
 TEST(Estimators, RouletteOnlyChangesTheNoise)
 {
-    RenderSettings settings = small_picture();
+    RenderSettings settings = small_image_settings();
     settings.roulette_depth = 0;
     const Mean early = mean_of(render_film(corner(1, {}), settings, 512));
     settings.roulette_depth = 1000;

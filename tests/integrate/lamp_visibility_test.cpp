@@ -38,31 +38,31 @@ double radiosity()
 TEST(LampVisibility, CamerasLookThroughHiddenLamps)
 {
     Material light = lamp(3);
-    expect_mean(render_film(LitFloor(light).scene, small_picture(4, 4), 64), 0);
+    expect_mean(render_film(LitFloor(light).scene, small_image_settings(4, 4), 64), 0);
     light.hidden_from_camera = true;
-    expect_mean(render_film(LitFloor(light).scene, small_picture(4, 4), 1024), 0.5 * 3 * radiosity());
+    expect_mean(render_film(LitFloor(light).scene, small_image_settings(4, 4), 1024), 0.5 * 3 * radiosity());
     // A hidden light is also invisible from its front.
     LitFloor turned(light);
     turned.scene.nodes[0].shapes[1].geometry = Rectangle{{-1, -1, 1}, {2, 0, 0}, {0, 2, 0}};
-    expect_mean(render_film(turned.scene, small_picture(4, 4), 64), 0);
+    expect_mean(render_film(turned.scene, small_image_settings(4, 4), 64), 0);
 }
 
-TEST(LampVisibility, NoRayMeetsInvisibleLights)
+TEST(LampVisibility, NoRayHitsInvisibleLights)
 {
     Material light = lamp(3);
     light.invisible_light = true;
     const double expected = 0.5 * 3 * radiosity();
-    expect_mean(render_film(LitFloor(light).scene, small_picture(4, 4), 1024), expected);
+    expect_mean(render_film(LitFloor(light).scene, small_image_settings(4, 4), 1024), expected);
     // Alpha does not change an invisible light.
     light.alpha_mode = AlphaMode::blend;
     for (const float alpha : {0.f, 0.5f}) {
         light.alpha.value = alpha;
-        expect_mean(render_film(LitFloor(light).scene, small_picture(4, 4), 1024), expected);
+        expect_mean(render_film(LitFloor(light).scene, small_image_settings(4, 4), 1024), expected);
     }
     // The light occludes nothing: another light above it contributes too.
     LitFloor two(light);
     two.add(Rectangle{{-2, -2, 2}, {0, 4, 0}, {4, 0, 0}}, two.material(light));
-    expect_mean(render_film(two.scene, small_picture(4, 4), 2048), 2 * expected);
+    expect_mean(render_film(two.scene, small_image_settings(4, 4), 2048), 2 * expected);
 }
 
 /// A mirror shows lights that are hidden from the camera, but not invisible lights.
@@ -75,7 +75,7 @@ TEST(LampVisibility, InMirrors)
         mirror.base_color.value = {1, 1, 1};
         LitFloor scene(light);
         scene.scene.nodes[0].shapes[0].material = scene.material(mirror);
-        expect_mean(render_film(scene.scene, small_picture(4, 4), 64), is_hidden ? 3 : 0);
+        expect_mean(render_film(scene.scene, small_image_settings(4, 4), 64), is_hidden ? 3 : 0);
     }
 }
 
@@ -90,7 +90,7 @@ TEST(LampVisibility, InvisibleBalls)
         scene.add(Sphere{{0, 0, 2}, 0.5, {}}, scene.material(light));
         scene.camera({1, 0, 1}, {0, 0, 0}, 0.01);
         // A sphere of radius r at distance d straight above contributes L (r / d)^2.
-        expect_mean(render_film(scene.scene, small_picture(4, 4), 1024), 10.0 / 16, 0.003);
+        expect_mean(render_film(scene.scene, small_image_settings(4, 4), 1024), 10.0 / 16, 0.003);
     }
 }
 

@@ -19,7 +19,7 @@ struct Shown {
     Vec3d to_light = normalize(Vec3d{-0.2, 0.6, 0.8});
 
     /// f cos: the reflected radiance of a directional light of illuminance 1.
-    Color of(const std::function<void(Material&, SceneBuilder&)>& furnish) const
+    Color of(const std::function<void(Material&, SceneBuilder&)>& add_objects) const
     {
         SceneBuilder b;
         b.camera(to_eye * 4, {0, 0, 0});
@@ -28,13 +28,13 @@ struct Shown {
         Material m;
         m.kind = MaterialKind::principled;
         m.roughness = {0.5f, -1, 1};
-        furnish(m, b);
+        add_objects(m, b);
         b.add(Rectangle{{-1, -1, 0}, {2, 0, 0}, {0, 2, 0}}, b.material(m));
         Light sun;
         sun.kind = LightKind::directional;
         sun.intensity = {1, 1, 1};
-        b.light(sun, shining(to_light * -1));
-        const Image image = render_film(b.scene, small_picture(1, 1), 1).image(false, false);
+        b.light(sun, rotate_to(to_light * -1));
+        const Image image = render_film(b.scene, small_image_settings(1, 1), 1).image(false, false);
         const auto& p = image.layers[0].pixels;
         return {p[0], p[1], p[2]};
     }
@@ -57,7 +57,7 @@ void expect_equal(const Color& a, const Color& b, const std::string& what)
 }
 
 /// Enables every layer, so that each parameter matters.
-void furnish_all(Material& m)
+void enable_all_layers(Material& m)
 {
     m.base_color.value = {0.6f, 0.5f, 0.4f};
     m.metallic.value = 0.4f;
@@ -73,7 +73,7 @@ void furnish_all(Material& m)
 }
 
 /// The counterpart for the Disney closure, solid or thin.
-void furnish_disney(Material& m, bool thin)
+void enable_all_disney_lobes(Material& m, bool thin)
 {
     m.kind = MaterialKind::disney;
     m.base_color.value = {0.6f, 0.2f, 0.4f};
@@ -88,14 +88,14 @@ void furnish_disney(Material& m, bool thin)
 using Number = std::pair<const char*, FloatInput Material::*>;
 
 /// A number times a texture channel equals the plain product, and changes the result.
-void expect_textured_numbers(const Shown& shown, void (*furnish)(Material&), std::span<const Number> numbers)
+void expect_textured_numbers(const Shown& shown, void (*add_objects)(Material&), std::span<const Number> numbers)
 {
     for (const auto& [name, member] : numbers)
         for (int channel = 0; channel < 3; ++channel) {
             const float factors[] = {0.5f, 0.75f, 0.625f};
             const auto render = [&](float times, bool textured) {
                 return shown.of([&](Material& m, SceneBuilder& b) {
-                    furnish(m);
+                    add_objects(m);
                     FloatInput& input = m.*member;
                     input.value *= times;
                     input.channel = channel;
@@ -119,7 +119,7 @@ TEST(LayerForms, NumbersHaveTextures)
                               {"sheen_roughness", &Material::sheen_roughness},
                               {"thin_film", &Material::thin_film},
                               {"thin_film_thickness", &Material::thin_film_thickness}};
-    expect_textured_numbers({}, furnish_all, numbers);
+    expect_textured_numbers({}, enable_all_layers, numbers);
 }
 TEST(LayerForms, DisneysNumbersHaveTextures)
 {
@@ -136,10 +136,10 @@ TEST(LayerForms, DisneysNumbersHaveTextures)
     const Number sheet[] = {{"diffuse_transmission", &Material::diffuse_transmission}};
     // Sheen is visible at these grazing directions.
     const Shown shown{normalize(Vec3d{1.5, -0.3, 0.5}), normalize(Vec3d{-1.2, 0.6, 0.4})};
-    expect_textured_numbers(shown, [](Material& m) { furnish_disney(m, false); }, solid);
-    expect_textured_numbers(shown, [](Material& m) { furnish_disney(m, true); }, sheet);
+    expect_textured_numbers(shown, [](Material& m) { enable_all_disney_lobes(m, false); }, solid);
+    expect_textured_numbers(shown, [](Material& m) { enable_all_disney_lobes(m, true); }, sheet);
 }
-TEST(LayerForms, ColoursHaveTextures)
+TEST(LayerForms, ColorsHaveTextures)
 {
     struct Named {
         std::string name;
@@ -160,7 +160,7 @@ TEST(LayerForms, ColoursHaveTextures)
         if (is_beyond) shown.to_light = normalize(Vec3d{-0.4, 0.3, -0.8});
         const auto render = [&](Color times, bool textured) {
             return shown.of([&](Material& m, SceneBuilder& b) {
-                furnish_all(m);
+                enable_all_layers(m);
                 ColorInput& input = m.*member;
                 input.value = {input.value.r * times.r, input.value.g * times.g, input.value.b * times.b};
                 if (textured) input.texture = constant(b, {0.5f, 0.75f, 0.25f});
@@ -220,7 +220,7 @@ TEST(LayerForms, CoatHasItsOwnNormal)
 }
 /// Radiance of a surface with anisotropic facets stretched at this angle to its tangent. mapped: part of the angle that
 /// comes from a map; n: normal from a map.
-void expect_drawn_out(double angle, double mapped, Vec3d n)
+void expect_anisotropic(double angle, double mapped, Vec3d n)
 {
     const Shown shown;
     const Color c = shown.of([&](Material& m, SceneBuilder& b) {
@@ -244,8 +244,8 @@ TEST(LayerForms, AnisotropyHasADirection)
 {
     for (const double angle : {0.0, 0.6, -1.1})
         for (const double mapped : {0.0, 0.8}) {
-            expect_drawn_out(angle + mapped, mapped, {0, 0, 1});
-            expect_drawn_out(angle + mapped, mapped, normalize(Vec3d{0.3, 0.2, 1}));
+            expect_anisotropic(angle + mapped, mapped, {0, 0, 1});
+            expect_anisotropic(angle + mapped, mapped, normalize(Vec3d{0.3, 0.2, 1}));
         }
 }
 
@@ -320,7 +320,7 @@ TEST(LayerForms, FurnaceOfSolids)
             b.add(Sphere{{0, 0, 0}, 1, {}}, b.material(m));
             b.scene.environment.kind = EnvironmentKind::constant;
             b.scene.environment.color = {1, 1, 1};
-            RenderSettings settings = small_picture(16, 16);
+            RenderSettings settings = small_image_settings(16, 16);
             settings.max_depth = 2000;
             expect_mean(render_film(b.scene, settings, 256), 1, 0.006);
         }

@@ -15,7 +15,7 @@ TEST(LightForms, Point)
 {
     const Vec3d at{0.3, 1.6, -0.2};
     Floor floor;
-    floor.furnish = [&](SceneBuilder& b) {
+    floor.add_objects = [&](SceneBuilder& b) {
         Light light;
         light.intensity = {5, 5, 5};
         b.light(light, Transform::translate(at));
@@ -28,7 +28,7 @@ TEST(LightForms, Point)
 
 /// A perfectly smooth plastic shows no specular reflection of a point light, because no ray hits it: only the diffuse
 /// base is lit.
-TEST(LightForms, PointsAreNotSeenInMirrors)
+TEST(LightForms, PointsAreInvisibleInMirrors)
 {
     SceneBuilder b;
     Material m;
@@ -40,10 +40,10 @@ TEST(LightForms, PointsAreNotSeenInMirrors)
     light.intensity = {5, 5, 5};
     b.light(light, Transform::translate({0, 2, 0}));
     b.camera({0, 3, 0.5}, {0, 0, 0});
-    const Mean mean = mean_of(render_film(b.scene, small_picture(), 16));
+    const Mean mean = mean_of(render_film(b.scene, small_image_settings(), 16));
     for (const double value : mean.value) EXPECT_EQ(value, 0);
     b.scene.materials[0].roughness.value = 0.2f;
-    EXPECT_GT(mean_of(render_film(b.scene, small_picture(), 16)).value[0], 0.01);
+    EXPECT_GT(mean_of(render_film(b.scene, small_image_settings(), 16)).value[0], 0.01);
 }
 
 void expect_spot(SpotFalloff falloff)
@@ -51,13 +51,13 @@ void expect_spot(SpotFalloff falloff)
     const Vec3d at{0.3, 1.6, -0.2}, along = normalize(Vec3d{-0.5, -1, 0.1});
     const double inner = 0.3, outer = 0.75;
     Floor floor;
-    floor.furnish = [&](SceneBuilder& b) {
+    floor.add_objects = [&](SceneBuilder& b) {
         Light light;
         light.kind = LightKind::spot;
         light.intensity = {5, 5, 5};
         light.inner_angle = inner, light.outer_angle = outer;
         light.falloff = falloff;
-        b.light(light, Transform::translate(at) * shining(along));
+        b.light(light, Transform::translate(at) * rotate_to(along));
     };
     int full = 0, falling = 0, none = 0;
     for (double x : {-2.5, -1.5, -1.0, -0.5, 0.0, 0.25, 0.5, 1.5}) {
@@ -95,12 +95,12 @@ TEST(LightForms, DirectionalAndItsDisk)
         // A disk entirely above the horizon gives the irradiance of its center; its radiance is scaled accordingly.
         for (double angle : {0.0, 0.1, 0.7}) {
             Floor floor;
-            floor.furnish = [&](SceneBuilder& b) {
+            floor.add_objects = [&](SceneBuilder& b) {
                 Light sun;
                 sun.kind = LightKind::directional;
                 sun.intensity = {5, 5, 5};
                 sun.angle = angle;
-                b.light(sun, Transform::translate({1, 2, 3}) * shining(along));
+                b.light(sun, Transform::translate({1, 2, 3}) * rotate_to(along));
             };
             floor.samples = 256;
             floor.expect(0.2, -0.1, -5 * normalize(along).y);
@@ -133,7 +133,7 @@ TEST(LightForms, RectanglesAndParallelograms)
                 Floor floor;
                 floor.light_sampling = light_sampling;
                 floor.samples = light_sampling ? 256 : 8192;
-                floor.furnish = [&](SceneBuilder& b) {
+                floor.add_objects = [&](SceneBuilder& b) {
                     b.add(Rectangle{lamp.corner, lamp.u, lamp.v}, b.diffuse(0, {3, 3, 3}, true));
                 };
                 floor.expect(p.x, p.z,
@@ -152,7 +152,7 @@ TEST(LightForms, Triangles)
         for (const Vec3d& p : floor_points) {
             Floor floor;
             floor.samples = 256;
-            floor.furnish = [&](SceneBuilder& b) {
+            floor.add_objects = [&](SceneBuilder& b) {
                 Mesh mesh;
                 for (const Vec3d& c : corners) mesh.positions.push_back({float(c.x), float(c.y), float(c.z)});
                 mesh.indices = {0, 1, 2};  // its normal points down
@@ -178,7 +178,7 @@ TEST(LightForms, TrianglesOfOneMesh)
             floor.samples = light_sampling ? 1024 : 8192;
             double expected = 0;
             for (const auto& triangle : corners) expected += 3 * polygon(triangle, p);
-            floor.furnish = [&](SceneBuilder& b) {
+            floor.add_objects = [&](SceneBuilder& b) {
                 Mesh mesh;
                 for (const auto& triangle : corners)
                     for (const Vec3d& c : triangle) {
@@ -204,7 +204,7 @@ TEST(LightForms, CopiesOfOneMesh)
         Floor floor;
         floor.light_sampling = light_sampling;
         floor.samples = light_sampling ? 256 : 8192;
-        floor.furnish = [&](SceneBuilder& b) {
+        floor.add_objects = [&](SceneBuilder& b) {
             Mesh mesh;
             for (const Vec3d& c : corners) mesh.positions.push_back({float(c.x), float(c.y), float(c.z)});
             mesh.indices = {0, 1, 2};
@@ -233,7 +233,7 @@ TEST(LightForms, Disk)
         Floor floor;
         floor.light_sampling = light_sampling;
         floor.samples = light_sampling ? 1024 : 8192;
-        floor.furnish = [&](SceneBuilder& b) { b.add(Disk{{0, h, 0}, {0, -2, 0}, r}, b.diffuse(0, {3, 3, 3})); };
+        floor.add_objects = [&](SceneBuilder& b) { b.add(Disk{{0, h, 0}, {0, -2, 0}, r}, b.diffuse(0, {3, 3, 3})); };
         for (double a : {0.0, 0.5, 1.5}) {
             if (!light_sampling && a > 0) continue;
             const double s = r * r + a * a + h * h;
@@ -252,7 +252,7 @@ TEST(LightForms, Sphere)
         Floor floor;
         floor.light_sampling = light_sampling;
         floor.samples = light_sampling ? 256 : 8192;
-        floor.furnish = [&](SceneBuilder& b) { b.add(Sphere{center, r, {}}, b.diffuse(0, {3, 3, 3})); };
+        floor.add_objects = [&](SceneBuilder& b) { b.add(Sphere{center, r, {}}, b.diffuse(0, {3, 3, 3})); };
         for (const Vec3d& p : floor_points) {
             if (!light_sampling && p.x != 0) continue;
             const Vec3d to = center - p;
@@ -270,9 +270,9 @@ TEST(LightForms, AllKindsTogether)
     point.intensity = {4, 4, 4};
     sun.kind = LightKind::directional;
     sun.intensity = {0.5f, 0.5f, 0.5f};
-    floor.furnish = [&](SceneBuilder& b) {
+    floor.add_objects = [&](SceneBuilder& b) {
         b.light(point, Transform::translate({1, 2, 0}));
-        b.light(sun, shining({0, -1, 1}));
+        b.light(sun, rotate_to({0, -1, 1}));
         b.add(Rectangle{{-1, 3, -0.5}, {1, 0, 0}, {0, 0, 1}}, b.diffuse(0, {8, 8, 8}, true));
         b.add(Sphere{{-1.5, 1.5, -1}, 0.2, {}}, b.diffuse(0, {30, 30, 30}));
     };
@@ -292,7 +292,7 @@ TEST(LightForms, SidesOfLamps)
             for (int kind = 0; kind < 4; ++kind) {
                 Floor floor;
                 floor.samples = 256;
-                floor.furnish = [&](SceneBuilder& b) {
+                floor.add_objects = [&](SceneBuilder& b) {
                     const int lamp = b.diffuse(0, {3, 3, 3});
                     const double up = upside_down ? 1 : -1;
                     Node node;
@@ -338,7 +338,7 @@ TEST(LightForms, ConstantAndGradientEnvironments)
     Environment sky;
     sky.kind = EnvironmentKind::constant;
     sky.color = {0.7f, 0.7f, 0.7f};
-    floor.furnish = [&](SceneBuilder& b) { b.scene.environment = sky; };
+    floor.add_objects = [&](SceneBuilder& b) { b.scene.environment = sky; };
     floor.expect(0.3, 0.1, 0.7 * std::numbers::pi);
     // Gradient: mix by (1 + cos) / 2 of the angle to its up direction. The cosine-weighted mean over the hemisphere is
     // 2/3 of the cosine between both up directions.
@@ -402,7 +402,7 @@ protected:
     double bright_ = 0, grey_ = 0;
 };
 
-TEST_F(ImageEnvironment, IsSeenWhereItIs)
+TEST_F(ImageEnvironment, AppearsInItsDirection)
 {
     write(5, 2, 8, 0.25f);
     for (const Transform& turn : {Transform(), Transform::rotate({0.5, 1, -0.3}, 1.1)}) {
@@ -413,7 +413,7 @@ TEST_F(ImageEnvironment, IsSeenWhereItIs)
             const Vec3d to = turn.vector(direction_of((column + 0.5) / width, (row + 0.5) / height));
             // A field of view of 0.001 degrees is a single direction.
             b.camera(to, to * 2, 1e-3);
-            const Mean m = mean_of(render_film(b.scene, small_picture(4, 4), 4));
+            const Mean m = mean_of(render_film(b.scene, small_image_settings(4, 4), 4));
             const double factor[] = {1, 0.5, 2};
             for (int c = 0; c < 3; ++c) {
                 const double expected = factor[c] * (0.25 + (column == 5 && row == 2 ? 8 * (c + 1) : 0));
@@ -443,7 +443,7 @@ TEST_F(ImageEnvironment, LightsTheFloor)
                 Floor floor;
                 floor.light_sampling = light_sampling;
                 floor.samples = light_sampling ? 1024 : 8192;
-                floor.furnish = [&](SceneBuilder& b) { use(b, turn, {1, 0.5f, 2}); };
+                floor.add_objects = [&](SceneBuilder& b) { use(b, turn, {1, 0.5f, 2}); };
                 for (int way = 0; way < 4; ++way) {
                     const Mean m = floor.irradiance(0.3, 0.1, way);
                     const double factor[] = {1, 0.5, 2};
@@ -459,7 +459,7 @@ TEST_F(ImageEnvironment, LightsTheFloor)
 }
 
 /// A sky seen through a pane and inside fog illuminates equally with NEE and without.
-TEST_F(ImageEnvironment, LightsWhatIsSeenThrough)
+TEST_F(ImageEnvironment, LightsThroughTransparentSurfaces)
 {
     write(5, 2, 20, 0.1f);
     Material pane;
@@ -478,7 +478,7 @@ TEST_F(ImageEnvironment, LightsWhatIsSeenThrough)
         b.add(Rectangle{{-2, -1, -2}, {0, 0, 4}, {4, 0, 0}}, b.diffuse(0.6f));
         b.add(Box{{-1.5, -1, -1.5}, {1.5, 1, 1.5}}, b.material(m));
         b.camera({0, 0, 6}, {0, -0.3, 0}, 35);
-        RenderSettings settings = small_picture(16, 16);
+        RenderSettings settings = small_image_settings(16, 16);
         const Mean sampled = mean_of(render_film(b.scene, settings, 1024));
         settings.light_sampling = false;
         settings.seed = 7;
@@ -486,7 +486,7 @@ TEST_F(ImageEnvironment, LightsWhatIsSeenThrough)
         for (int c = 0; c < 3; ++c) {
             const double error = std::hypot(sampled.error[c], by_chance.error[c]);
             EXPECT_NEAR(sampled.value[c], by_chance.value[c], 4 * error) << m.thin << " channel " << c;
-            EXPECT_LT(error, 0.01 * by_chance.value[c]) << "the picture can tell";
+            EXPECT_LT(error, 0.01 * by_chance.value[c]) << "the test is too noisy to detect a difference";
         }
     }
 }
@@ -500,11 +500,11 @@ TEST_F(ImageEnvironment, ValuesThatAreNoNumbersAreBlack)
     good.add(Rectangle{{-50, 0, 50}, {100, 0, 0}, {0, 0, -100}}, good.diffuse(0.5f));
     good.camera({0, 1, 0.1}, {0, 0, 0});
     bad = good;
-    const Mean before = mean_of(render_film(good.scene, small_picture(4, 4), 256));
+    const Mean before = mean_of(render_film(good.scene, small_image_settings(4, 4), 256));
     write(5, 2, 20, 0.1f,
           {std::numeric_limits<float>::infinity(), 0.1f, 0.1f, std::numeric_limits<float>::quiet_NaN()});
     Warnings warnings;
-    const RenderJob job(Scene::compile(bad.scene, "", warnings), small_picture(4, 4));
+    const RenderJob job(Scene::compile(bad.scene, "", warnings), small_image_settings(4, 4));
     Film film(job);
     render(job, {0, 256}, film);
     const Mean after = mean_of(film);
@@ -520,7 +520,7 @@ TEST_F(ImageEnvironment, IsSampledWhereItIsBright)
     write(5, 1, 1000, 0.001f);
     Floor floor;
     floor.samples = 256;
-    floor.furnish = [&](SceneBuilder& b) { use(b, {}); };
+    floor.add_objects = [&](SceneBuilder& b) { use(b, {}); };
     for (int way = 0; way < 4; ++way) {
         const Mean m = floor.irradiance(0, 0, way);
         // 16,384 samples with a relative variance of about 1 each.
@@ -532,15 +532,15 @@ TEST_F(ImageEnvironment, IsSampledWhereItIsBright)
 TEST(LightForms, Background)
 {
     Floor floor;
-    floor.furnish = [&](SceneBuilder& b) {
+    floor.add_objects = [&](SceneBuilder& b) {
         b.scene.environment.kind = EnvironmentKind::constant;
         b.scene.environment.color = {0.5f, 0.5f, 0.5f};
     };
     SceneBuilder b;
     b.add(Rectangle{{-50, 0, 50}, {100, 0, 0}, {0, 0, -100}}, b.diffuse(1));
-    floor.furnish(b);
+    floor.add_objects(b);
     b.camera({0, 1, 0}, {0, 0, 0}, 10);
-    RenderSettings settings = small_picture(8, 8);
+    RenderSettings settings = small_image_settings(8, 8);
     settings.background = Color{7, 8, 9};
     expect_mean(render_film(b.scene, settings, 256), 0.5);
     b.scene.cameras[0].look_at = {0, 3, 0};

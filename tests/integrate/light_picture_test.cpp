@@ -16,7 +16,7 @@ namespace {
 using namespace test;
 
 /// A linear 8-bit image: red, green, blue of each pixel.
-ImageFile picture_of(int width, int height, const std::vector<int>& values)
+ImageFile image_of(int width, int height, const std::vector<int>& values)
 {
     ImageFile file{"picture.ppm", {}, {}};
     for (const char c : "P6\n" + std::to_string(width) + ' ' + std::to_string(height) + "\n255\n")
@@ -57,7 +57,7 @@ struct Case {
     {
         Floor floor;
         floor.samples = 32;
-        floor.furnish = [&](SceneBuilder& b) {
+        floor.add_objects = [&](SceneBuilder& b) {
             b.scene.images.push_back(image);
             b.light(light, place);
         };
@@ -96,8 +96,8 @@ Case projector(bool nearest, bool flat_field)
     c.light.picture = {0, ColorSpace::linear, nearest};
     c.light.flat_field = flat_field;
     c.light.fov = 0.9;
-    c.image = picture_of(3, 2, colors);
-    c.place = Transform::translate({0.1, 1.4, 0.05}) * shining({0.1, -1, 0.05}) * Transform::rotate({0, 0, 1}, 0.3);
+    c.image = image_of(3, 2, colors);
+    c.place = Transform::translate({0.1, 1.4, 0.05}) * rotate_to({0.1, -1, 0.05}) * Transform::rotate({0, 0, 1}, 0.3);
     c.intensity = through_window(std::tan(0.45) * 1.5, std::tan(0.45), nearest, flat_field);
     return c;
 }
@@ -154,7 +154,7 @@ TEST(LightPictures, NodesThatStretchAndMirror)
     Floor floor;
     floor.samples = 16;
     const auto red = [&](const Transform& place) {
-        floor.furnish = [&](SceneBuilder& b) {
+        floor.add_objects = [&](SceneBuilder& b) {
             b.scene.images.push_back(plain.image);
             b.light(plain.light, place);
         };
@@ -182,7 +182,7 @@ TEST(LightPictures, FluxIsSharedAmongAllDirections)
     const double half = 0.45, t = std::tan(half);
     for (const int gray : {255, 20}) {
         Case c = projector(false, false);
-        c.image = picture_of(1, 1, {gray, gray, gray});
+        c.image = image_of(1, 1, {gray, gray, gray});
         c.light.intensity_is_flux = true;
         const double solid_angle = 4 * std::asin(std::sin(half) * std::sin(half));
         c.intensity = [&](const Vec3d& d, int) {
@@ -205,7 +205,7 @@ TEST(LightPictures, FluxIsSharedAmongAllDirections)
 }
 
 /// A goniometric image of one color is a point light in any orientation.
-TEST(LightPictures, GoniometricOfOneColour)
+TEST(LightPictures, UniformGoniometric)
 {
     Case c;
     c.light.kind = LightKind::goniometric;
@@ -213,7 +213,7 @@ TEST(LightPictures, GoniometricOfOneColour)
     c.light.picture = {0, ColorSpace::linear, false};
     std::vector<int> values;
     for (int i = 0; i < 16; ++i) values.insert(values.end(), {200, 100, 50});
-    c.image = picture_of(4, 4, values);
+    c.image = image_of(4, 4, values);
     c.intensity = [](const Vec3d&, int channel) { return 3 * (channel == 0 ? 200 : channel == 1 ? 100 : 50) / 255.0; };
     for (int i = 0; i < 6; ++i) {
         c.place = Transform::translate({0.1, 1.4, 0.05}) * Transform::rotate({1, 2.0 * i, 0.5}, 1.1 * i);
@@ -242,7 +242,7 @@ TEST(LightPictures, HalvesOfAGoniometricPicture)
         std::vector<int> values;
         for (int y = 0; y < 32; ++y)
             for (int x = 0; x < 32; ++x) values.insert(values.end(), 3, half.is_lit(x, y) ? 255 : 0);
-        c.image = picture_of(32, 32, values);
+        c.image = image_of(32, 32, values);
         c.intensity = [&](const Vec3d& d, int) { return half.side(d) > 0 ? 1.0 : 0.0; };
         for (int i = 0; i < 12; ++i) {
             c.place = Transform::translate({0.1, 1.4, 0.05}) *
@@ -283,7 +283,7 @@ TEST(LightPictures, ProfilesOfLuminaires)
         return 2 * (at(column) + t * (at(column + 1) - at(column)));
     };
     for (const Vec3d& along : {Vec3d{0, -1, 0}, {0.3, -1, -0.6}, {1, 0.2, 0.3}, {-1, 0.9, 0}}) {
-        c.place = Transform::translate({0.1, 1.4, 0.05}) * shining(along) * Transform::rotate({0, 0, 1}, 0.7);
+        c.place = Transform::translate({0.1, 1.4, 0.05}) * rotate_to(along) * Transform::rotate({0, 0, 1}, 0.7);
         for (const Vec3d& p : floor_places) c.expect(p.x, p.z, 2e-3);
     }
 }
@@ -303,10 +303,10 @@ TEST(LightPictures, SpotsShowThem)
 }
 
 /// 8-bit images are sRGB unless declared linear.
-TEST(LightPictures, ColourSpaces)
+TEST(LightPictures, ColorSpaces)
 {
     Case c = projector(false, false);
-    c.image = picture_of(1, 1, {188, 188, 188});
+    c.image = image_of(1, 1, {188, 188, 188});
     for (const ColorSpace space : {ColorSpace::srgb, ColorSpace::linear}) {
         c.light.picture.color_space = space;
         const double v = space == ColorSpace::linear ? 188 / 255.0 : std::pow((188 / 255.0 + 0.055) / 1.055, 2.4);
@@ -345,7 +345,7 @@ TEST(LightPictures, SelectionOnlyChangesTheNoise)
     b.add(Sphere{{0, 0.4, 0}, 0.4, {}}, b.diffuse(0.5f, {0.2f, 0.2f, 0.2f}));
     std::vector<int> sparse(3 * 64);
     for (int i = 0; i < 60; ++i) sparse[std::size_t(chance(40, 191))] = 255;
-    b.scene.images = {picture_of(8, 8, sparse), picture_of(3, 2, colors),
+    b.scene.images = {image_of(8, 8, sparse), image_of(3, 2, colors),
                       profile_of("1 1 1 3 1 1 1 0 0 0 1 1 1  0 20 80  0  9 3 0")};
     for (int i = 0; i < 40; ++i) {
         Light light;
@@ -355,17 +355,12 @@ TEST(LightPictures, SelectionOnlyChangesTheNoise)
         light.intensity = {float(chance(0, 2)), 1, float(chance(0, 2))};
         light.flat_field = i % 5 == 0;
         b.light(light, Transform::translate({chance(-2, 2), chance(0.8, 2), chance(-2, 2)}) *
-                           shining({chance(-1, 1), -1, chance(-1, 1)}));
+                           rotate_to({chance(-1, 1), -1, chance(-1, 1)}));
     }
     b.camera({0.5, 2, 5.5}, {0, 0.5, 0}, 50);
-    RenderSettings settings = small_picture(24, 18);
+    RenderSettings settings = small_image_settings(24, 18);
     settings.max_depth = 2;
-    Mean means[3];
-    for (const LightSelection selection : {LightSelection::tree, LightSelection::power, LightSelection::uniform}) {
-        settings.light_selection = selection;
-        ++settings.seed;
-        means[int(selection)] = mean_of(render_film(b.scene, settings, 2048));
-    }
+    const std::array<Mean, 3> means = means_by_selection(b.scene, settings, 2048);
     const Mean& tree = means[int(LightSelection::tree)];
     for (const LightSelection other : {LightSelection::power, LightSelection::uniform})
         for (int c = 0; c < 3; ++c) {
@@ -383,7 +378,7 @@ TEST(LightPictures, Edits)
     const Case c = projector(false, false);
     SceneBuilder b;
     b.add(Rectangle{{-3, 0, 3}, {6, 0, 0}, {0, 0, -6}}, b.diffuse(0.5f));
-    b.scene.images = {c.image, picture_of(1, 1, {9, 90, 200})};
+    b.scene.images = {c.image, image_of(1, 1, {9, 90, 200})};
     b.light(c.light, c.place);
     b.camera({0, 3, 0.1}, {0, 0, 0});
     SceneEdit edit(b.scene);
@@ -430,7 +425,7 @@ TEST(LightPictures, WhatCannotBeShown)
     Light light;
     light.kind = LightKind::goniometric;
     light.picture.image = 0;
-    EXPECT_EQ(error_of(light, picture_of(3, 2, colors)),
+    EXPECT_EQ(error_of(light, image_of(3, 2, colors)),
               "picture.ppm: the image of a goniometric light must be square: this one has 3 by 2 pixels");
     EXPECT_EQ(error_of(light, profile_of("1 1 1 2 1 1 1 0 0 0 1 1 1 0 90 0 5 -1")),
               "lamp.ies: IES: the candela value 2 of 2 is negative");
@@ -439,11 +434,11 @@ TEST(LightPictures, WhatCannotBeShown)
     EXPECT_EQ(error_of(light, profile_of("1 1 1 2 1 1 1 0 0 0 1 1 1 0 90 0 5 1")),
               "lamp.ies: IES files are supported for goniometric lights only");
     light.fov = 0;
-    EXPECT_NE(error_of(light, picture_of(3, 2, colors)).find("fov"), std::string::npos);
+    EXPECT_NE(error_of(light, image_of(3, 2, colors)).find("fov"), std::string::npos);
     light.fov = 1, light.picture.image = 3;
-    EXPECT_NE(error_of(light, picture_of(3, 2, colors)).find("there is no image 3"), std::string::npos);
+    EXPECT_NE(error_of(light, image_of(3, 2, colors)).find("there is no image 3"), std::string::npos);
     light.kind = LightKind::goniometric, light.picture.image = -1;
-    EXPECT_NE(error_of(light, picture_of(3, 2, colors)).find("needs an image"), std::string::npos);
+    EXPECT_NE(error_of(light, image_of(3, 2, colors)).find("needs an image"), std::string::npos);
 }
 
 }  // namespace

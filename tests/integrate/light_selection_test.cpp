@@ -10,9 +10,9 @@ namespace {
 
 using namespace test;
 
-class Chance {
+class RandomNumbers {
 public:
-    explicit Chance(unsigned seed) : engine_(seed) {}
+    explicit RandomNumbers(unsigned seed) : engine_(seed) {}
     double operator()(double lo, double hi) { return lo + (hi - lo) * double(engine_() >> 8) * 0x1p-24; }
     Vec3d point() { return {(*this)(-2, 2), (*this)(0.3, 3), (*this)(-2, 2)}; }
     Vec3d direction()
@@ -27,7 +27,7 @@ private:
     std::mt19937 engine_;
 };
 
-Mesh random_triangles(Chance& chance, int n)
+Mesh random_triangles(RandomNumbers& chance, int n)
 {
     Mesh mesh;
     for (int i = 0; i < n; ++i) {
@@ -43,7 +43,7 @@ Mesh random_triangles(Chance& chance, int n)
 /// Index of the node with lights that moves.
 constexpr int carried_lamps = 1;
 
-std::vector<NodeKey> random_motion(Chance& chance)
+std::vector<NodeKey> random_motion(RandomNumbers& chance)
 {
     std::vector<NodeKey> keys{{0, {}}};
     for (const double time : {0.2, 0.5})
@@ -54,7 +54,7 @@ std::vector<NodeKey> random_motion(Chance& chance)
 }
 
 /// Triangles, a panel and a spot light in a moving node, and triangles with moving vertices.
-void add_moving_lights(SceneBuilder& b, Chance& chance)
+void add_moving_lights(SceneBuilder& b, RandomNumbers& chance)
 {
     Mesh mesh = random_triangles(chance, 5);
     b.scene.meshes.push_back(mesh);
@@ -66,7 +66,7 @@ void add_moving_lights(SceneBuilder& b, Chance& chance)
     Light spot;
     spot.kind = LightKind::spot;
     spot.outer_angle = 0.8;
-    b.light(spot, Transform::translate({0, 1.5, 0}) * shining({0.3, -1, 0}));
+    b.light(spot, Transform::translate({0, 1.5, 0}) * rotate_to({0.3, -1, 0}));
     node.children = {b.scene.roots.back()};
     b.scene.roots.back() = int(b.scene.nodes.size());
     b.scene.nodes.push_back(node);
@@ -85,7 +85,7 @@ void add_moving_lights(SceneBuilder& b, Chance& chance)
 /// spheres, disks, points, spots, and a sun in every third scene.
 SceneDescription random_lights(unsigned seed)
 {
-    Chance chance(seed);
+    RandomNumbers chance(seed);
     SceneBuilder b;
     Material glossy;
     glossy.kind = MaterialKind::principled;
@@ -122,12 +122,12 @@ SceneDescription random_lights(unsigned seed)
         light.kind = i == 3 ? LightKind::beam : i % 2 ? LightKind::spot : LightKind::point;
         light.outer_angle = chance(0.2, 1.2);
         light.intensity = {1, 1, 1};
-        b.light(light, Transform::translate(chance.point()) * shining({chance(-1, 1), -1, chance(-1, 1)}));
+        b.light(light, Transform::translate(chance.point()) * rotate_to({chance(-1, 1), -1, chance(-1, 1)}));
     }
     if (seed % 3 == 0) {
         Light sun;
         sun.kind = LightKind::directional;
-        b.light(sun, shining({1, -2, 0.5}));
+        b.light(sun, rotate_to({1, -2, 0.5}));
     }
     b.camera({0.5, 2, 5.5}, {0, 1, 0}, 50);
     b.scene.cameras[0].shutter_close = 0.5;
@@ -138,14 +138,9 @@ TEST(LightSelections, OnlyChangeTheNoise)
 {
     for (unsigned seed = 1; seed <= 20; ++seed) {
         const SceneDescription scene = random_lights(seed);
-        RenderSettings settings = small_picture(24, 18);
+        RenderSettings settings = small_image_settings(24, 18);
         settings.max_depth = 3;
-        Mean means[3];
-        for (const LightSelection selection : {LightSelection::tree, LightSelection::power, LightSelection::uniform}) {
-            settings.light_selection = selection;
-            ++settings.seed;
-            means[int(selection)] = mean_of(render_film(scene, settings, 256));
-        }
+        const std::array<Mean, 3> means = means_by_selection(scene, settings, 256);
         const Mean& tree = means[int(LightSelection::tree)];
         EXPECT_GT(tree.value[0], 0.01);
         EXPECT_LT(tree.error[0], 0.03 * tree.value[0]) << "seed " << seed;
@@ -175,7 +170,7 @@ TEST(LightSelections, FollowAnEdit)
     dim.intensity = {0.1f, 0.2f, 0.3f};
     edit.set_light(0, dim);
     scene.lights[0] = dim;
-    const RenderSettings settings = small_picture(24, 18);
+    const RenderSettings settings = small_image_settings(24, 18);
     const auto picture = [&](const Scene& compiled) {
         const RenderJob job(compiled, settings);
         Film film(job);

@@ -73,7 +73,7 @@ TEST(MeasuredScenes, LieAlongTheTangent)
                 const auto t = float(step - double(below));
                 const Color &p = by_quarter[below], &q = by_quarter[below + 1];
                 SCOPED_TRACE(testing::Message() << turned << ", from " << elevation << ", " << azimuth);
-                expect_color(render_film(s.scene, small_picture(16, 12), 256),
+                expect_color(render_film(s.scene, small_image_settings(16, 12), 256),
                              {p.r + t * (q.r - p.r), p.g + t * (q.g - p.g), p.b + t * (q.b - p.b)});
             }
 }
@@ -91,7 +91,7 @@ TEST(MeasuredScenes, LampsAreFoundBothWays)
         lamp.emission.value = {3, 4, 5};
         s.add(Rectangle{{-0.7, 1, -0.5}, {1.5, 0, 0}, {0, 0, 1}}, s.material(lamp));
         s.camera({0.3, 8, 9}, {0, 0, 0}, 6);
-        RenderSettings settings = small_picture(16, 12);
+        RenderSettings settings = small_image_settings(16, 12);
         settings.light_sampling = sampled;
         means[sampled] = mean_of(render_film(s.scene, settings, sampled ? 256 : 2048));
     }
@@ -108,7 +108,7 @@ TEST(MeasuredScenes, HaveAnAlbedo)
     s.scene.measured = {even({0}, {{0.2f, 0.1f, 0.05f}})};
     s.add(Rectangle{{-1, 0, 1}, {2, 0, 0}, {0, 0, -2}}, s.material(measured(0)));
     s.camera({0, 9, 1}, {0, 0, 0}, 4);
-    RenderSettings settings = small_picture(4, 4);
+    RenderSettings settings = small_image_settings(4, 4);
     settings.aovs.push_back(Aov::albedo);
     const Image image = render_film(s.scene, settings, 1).image(false, false);
     const auto& pixels = image.find("albedo")->pixels;

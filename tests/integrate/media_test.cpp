@@ -44,7 +44,7 @@ double classify_interface(const std::vector<std::pair<Box, Material>>& boxes, bo
     if (in_tree)
         for (int i = 0; i < 100; ++i) b.add(Sphere{{100.0 + i, 0, 5}, 0.1, {}}, b.diffuse(0));
     b.camera({0, 0, 1}, {0, 0, 0}, 0.1);
-    const Mean mean = mean_of(render_film(b.scene, small_picture(16, 16), 1024));
+    const Mean mean = mean_of(render_film(b.scene, small_image_settings(16, 16), 1024));
     EXPECT_LT(mean.error[0], 0.002);
     return mean.value[0];
 }
@@ -100,7 +100,7 @@ TEST(Media, WaterInAGlass)
 }
 
 /// A light, a mirror and a dark wall inside colored glass, seen through its surface.
-TEST(Media, ThingsInsideColouredGlass)
+TEST(Media, ObjectsInsideColoredGlass)
 {
     for (const bool mirrored : {false, true}) {
         SceneBuilder b;
@@ -121,7 +121,7 @@ TEST(Media, ThingsInsideColouredGlass)
         const double r = 0.04, a = 0.5, there_and_back = 0.25;
         const double expected =
             mirrored ? r + (1 - r) * (1 - r) * there_and_back / (1 - r * there_and_back) : (1 - r) * a / (1.5 * 1.5);
-        expect_mean(render_film(b.scene, small_picture(16, 16), 1024), expected, 0.003);
+        expect_mean(render_film(b.scene, small_image_settings(16, 16), 1024), expected, 0.003);
     }
 }
 
@@ -157,7 +157,7 @@ TEST(Media, ScatteringCountsAsBounces)
         b.scene.environment.kind = EnvironmentKind::constant;
         b.camera({0, 0, 1}, {0, 0, 0}, 0.1);
         const auto mean = [&](int max_depth) {
-            RenderSettings settings = small_picture(16, 16);
+            RenderSettings settings = small_image_settings(16, 16);
             settings.max_depth = max_depth;
             return render_film(b.scene, settings, 1024);
         };
@@ -168,7 +168,7 @@ TEST(Media, ScatteringCountsAsBounces)
 }
 
 /// Light is absorbed along its path through the medium, and so is the view of a camera inside it.
-TEST(Media, ShadowRaysAndCamerasInsideColouredGlass)
+TEST(Media, ShadowRaysAndCamerasInsideColoredGlass)
 {
     for (const bool in_tree : {false, true}) {
         SceneBuilder b;
@@ -180,14 +180,14 @@ TEST(Media, ShadowRaysAndCamerasInsideColouredGlass)
         light.intensity = {7, 7, 7};
         b.light(light, Transform::translate({0, 3, 0}));
         b.camera({0, 1, 0}, {0, 0, 0}, 0.1);
-        RenderSettings settings = small_picture(16, 16);
+        RenderSettings settings = small_image_settings(16, 16);
         settings.max_depth = 1;
         expect_mean(render_film(b.scene, settings, 16), 0.5 / std::numbers::pi * 7 / 9 * std::pow(0.8, 4), 0.001);
     }
 }
 
 /// Hollow glass spheres, and water spheres inside glass, lose no energy.
-TEST(Media, NestedBallsLoseNothing)
+TEST(Media, NestedSpheresConserveEnergy)
 {
     for (const int priority : {-1, 0, 1}) {
         SceneBuilder b;
@@ -198,7 +198,7 @@ TEST(Media, NestedBallsLoseNothing)
         sky.kind = EnvironmentKind::constant;
         b.scene.environment = sky;
         b.camera({0, 0, 4}, {0, 0, 0}, 25);
-        expect_mean(render_film(b.scene, small_picture(), 64), 1, 0.003);
+        expect_mean(render_film(b.scene, small_image_settings(), 64), 1, 0.003);
     }
 }
 

@@ -62,7 +62,7 @@ struct Square : SceneBuilder {
     Film film(int index, std::vector<Aov> aovs = {})
     {
         add(MeshInstance{0}, index);
-        RenderSettings settings = small_picture(16, 16);
+        RenderSettings settings = small_image_settings(16, 16);
         settings.aovs = std::move(aovs);
         return render_film(scene, settings, 256);
     }
@@ -95,7 +95,7 @@ TEST(Mixture, OfMixturesHasTheProduct)
     square.expect(outer, {0.6f * 0.75f, 0.6f * 0.25f, 0.4f});
 }
 
-TEST(Mixture, GoesByATexture)
+TEST(Mixture, FactorByTexture)
 {
     Square square;
     Texture halves;
@@ -137,9 +137,9 @@ TEST(Mixture, ScattersAsEachOfThem)
         square.scene.environment.kind = EnvironmentKind::none;
         Material lamp = diffuse({0, 0, 0});
         lamp.emission.value = {1, 1, 1};
-        const int shining = square.material(lamp), black = square.material(diffuse({0, 0, 0})),
+        const int rotate_to = square.material(lamp), black = square.material(diffuse({0, 0, 0})),
                   metal = square.material(mirror({0.5f, 0.6f, 0.7f}));
-        square.add(Rectangle{{-2, -2, 6}, {0, 4, 0}, {4, 0, 0}}, shining);
+        square.add(Rectangle{{-2, -2, 6}, {0, 4, 0}, {4, 0, 0}}, rotate_to);
         square.expect(square.mix(black, metal, {0.25f, -1, 0}), {0.125f, 0.15f, 0.175f});
     }
 }
@@ -173,7 +173,7 @@ TEST(Mixture, EmitsByItself)
     square.expect(mixture, {0.25f, 0.5f, 0.75f});
 }
 
-TEST(Mixture, BlackBehindReflectsNothingThere)
+TEST(Mixture, OneSidedBackIsBlack)
 {
     for (const bool behind : {false, true})
         for (Material m : {diffuse({0.5f, 0.5f, 0.5f}), mirror({0.5f, 0.5f, 0.5f})}) {

@@ -40,7 +40,7 @@ struct Shadows : SceneBuilder {
     template <class Covered>
     void expect_shadow(const Covered& covered, std::uint64_t samples = 256)
     {
-        const Film film = render_film(scene, small_picture(width, height), samples);
+        const Film film = render_film(scene, small_image_settings(width, height), samples);
         const Image image = film.image(false, false);
         constexpr int cells = 8, times = 64;
         double worst = 0;
@@ -68,7 +68,7 @@ bool in_bar(double x, double y)
     return std::abs(x) < 0.5 && std::abs(y) < 2;
 }
 
-TEST(MotionPicture, a_node_goes_straight)
+TEST(MotionImages, a_node_goes_straight)
 {
     Shadows s;
     s.moving_node({{0, Transform::translate({-2, 0, 0})}, {1, Transform::translate({2, 1, 0})}})
@@ -76,7 +76,7 @@ TEST(MotionPicture, a_node_goes_straight)
     s.expect_shadow([](double x, double y, double t) { return in_bar(x + 2 - 4 * t, y - t); });
 }
 
-TEST(MotionPicture, a_node_turns_steadily)
+TEST(MotionImages, a_node_turns_steadily)
 {
     Shadows s;
     s.moving_node({{0, {}}, {1, Transform::rotate({0, 0, 1}, 2)}}).shapes.push_back({bar, s.black(), ""});
@@ -87,7 +87,7 @@ TEST(MotionPicture, a_node_turns_steadily)
 }
 
 /// A child offset from its parent's origin moves on an arc while it also rotates itself.
-TEST(MotionPicture, moving_nodes_within_moving_nodes)
+TEST(MotionImages, moving_nodes_within_moving_nodes)
 {
     Shadows s;
     Node arm;
@@ -108,7 +108,7 @@ TEST(MotionPicture, moving_nodes_within_moving_nodes)
     });
 }
 
-TEST(MotionPicture, keys_within_and_beyond_the_shutter)
+TEST(MotionImages, keys_within_and_beyond_the_shutter)
 {
     Shadows s(1, 2);
     s.moving_node({{0, Transform::translate({-4, 0, 0})},
@@ -122,7 +122,7 @@ TEST(MotionPicture, keys_within_and_beyond_the_shutter)
     });
 }
 
-TEST(MotionPicture, a_closed_shutter_shows_one_moment)
+TEST(MotionImages, a_closed_shutter_shows_one_moment)
 {
     Shadows s(0.5, 0.5);
     s.moving_node({{0, Transform::translate({-2, 0, 0})}, {1, Transform::translate({4, 0, 0})}})
@@ -145,7 +145,7 @@ MeshKey bar_key(double time, float x, float top)
     return key;
 }
 
-TEST(MotionPicture, vertices)
+TEST(MotionImages, vertices)
 {
     Shadows s;
     Mesh mesh = bar_mesh();
@@ -158,7 +158,7 @@ TEST(MotionPicture, vertices)
     });
 }
 
-TEST(MotionPicture, vertices_within_a_moving_node)
+TEST(MotionImages, vertices_within_a_moving_node)
 {
     Shadows s;
     Mesh mesh = bar_mesh();
@@ -189,7 +189,7 @@ Curves rod(CurveBasis basis, bool ribbons)
     return curves;
 }
 
-TEST(MotionPicture, points_of_curves)
+TEST(MotionImages, points_of_curves)
 {
     for (const CurveBasis basis : {CurveBasis::linear, CurveBasis::bezier})
         for (const bool ribbons : {false, true})
@@ -213,7 +213,7 @@ TEST(MotionPicture, points_of_curves)
 }
 
 /// Coverage of a moving sphere: pure translation keeps a sphere in world space, a changing scale gives an ellipsoid.
-TEST(MotionPicture, spheres_disks_and_boxes)
+TEST(MotionImages, spheres_disks_and_boxes)
 {
     for (int kind = 0; kind < 4; ++kind) {
         Shadows s;
@@ -232,7 +232,7 @@ TEST(MotionPicture, spheres_disks_and_boxes)
 }
 
 /// A closed gray room that rotates and grows: its radiance is a geometric series at any time.
-TEST(MotionPicture, furnace)
+TEST(MotionImages, furnace)
 {
     for (bool vertices : {false, true}) {
         SceneBuilder s;
@@ -254,12 +254,12 @@ TEST(MotionPicture, furnace)
         s.scene.nodes.push_back(node);
         s.camera({0, 0, 0}, {0.2, 0.1, -1}, 90);
         s.scene.cameras[0].shutter_close = 1;
-        expect_mean(render_film(s.scene, small_picture(), 64), 2);
+        expect_mean(render_film(s.scene, small_image_settings(), 64), 2);
     }
 }
 
 /// Normals of moving shapes: directional illumination has the cosine of the orientation at each time.
-TEST(MotionPicture, normals_turn)
+TEST(MotionImages, normals_turn)
 {
     for (int kind = 0; kind < 3; ++kind) {
         SceneBuilder s;
@@ -297,12 +297,12 @@ TEST(MotionPicture, normals_turn)
             const double t = (i + 0.5) / times, half = std::sqrt(0.5), z = 1 - t * (1 - half), x = t * half;
             expected += (kind == 0 ? std::cos(t) : kind == 1 ? 1 / std::sqrt(1 + t * t) : z / std::hypot(x, z)) / times;
         }
-        expect_mean(render_film(s.scene, small_picture(8, 6), 1024), expected * std::numbers::inv_pi);
+        expect_mean(render_film(s.scene, small_image_settings(8, 6), 1024), expected * std::numbers::inv_pi);
     }
 }
 
 /// A moving light gives the mean illumination of static lights along its path.
-TEST(MotionPicture, lamps)
+TEST(MotionImages, lamps)
 {
     const auto build = [](std::vector<NodeKey> keys, const Transform& place) {
         SceneBuilder s;
@@ -315,7 +315,7 @@ TEST(MotionPicture, lamps)
         lamp.shapes.push_back({Rectangle{{-1, 2, -1}, {2, 0, 0}, {0, 0, 2}}, s.diffuse(0, {5, 5, 5}), ""});
         s.scene.roots.push_back(1);
         s.scene.nodes.push_back(lamp);
-        RenderSettings settings = small_picture();
+        RenderSettings settings = small_image_settings();
         return mean_of(render_film(s.scene, settings, 256));
     };
     constexpr int places = 16;
@@ -330,7 +330,7 @@ TEST(MotionPicture, lamps)
 }
 
 /// A light with a bright bottom face illuminates the floor with that face at every time, by NEE and by BSDF samples.
-TEST(MotionPicture, textured_lamps)
+TEST(MotionImages, textured_lamps)
 {
     Mean mean[2];
     for (bool light_sampling : {true, false}) {
@@ -345,7 +345,7 @@ TEST(MotionPicture, textured_lamps)
         const int lamp = s.diffuse(0, {5, 5, 5});
         s.scene.materials[std::size_t(lamp)].emission.texture = 0;
         s.add(Sphere{{-3, 2, 0}, 0.8, Vec3d{3, 2, 0}}, lamp);
-        RenderSettings settings = small_picture();
+        RenderSettings settings = small_image_settings();
         settings.light_sampling = light_sampling;
         mean[light_sampling] = mean_of(render_film(s.scene, settings, light_sampling ? 256 : 2048));
     }

@@ -67,7 +67,7 @@ Cells ball_cells(Vec3d center, double radius)
 }
 
 /// A node's motion by closed formulas.
-struct Way {
+struct NodeMotionCase {
     const char* name;
     Vec3d shift;  ///< from (0, 0, 0)
     double angle = 0;
@@ -82,13 +82,13 @@ struct Way {
     }
     std::vector<NodeKey> keys() const { return {{0, at(0)}, {1, at(1)}}; }
 };
-const Way ways[] = {
+const NodeMotionCase ways[] = {
     {"goes", {1.5, 0.4, -0.3}},
     {"turns", {0, 0, 0}, 1.2, {0.3, 0.2, 1}},
     {"grows", {0.3, 0.1, 0}, 0, {0, 0, 1}, {1.8, 1.8, 1.8}},
     {"is stretched and turned", {0.5, 0.2, 0.1}, 0.8, {0, 1, 0.4}, {1.6, 1, 0.5}},
 };
-const Way rests{"rests", {0, 0, 0}};
+const NodeMotionCase rests{"rests", {0, 0, 0}};
 
 /// Irradiance of the floor at p from cells of radiance 1.
 double irradiance(const Cells& cells, const Transform& place, bool two_sided, Vec3d p)
@@ -103,7 +103,7 @@ double irradiance(const Cells& cells, const Transform& place, bool two_sided, Ve
 }
 
 template <class CellsAt>
-double mean_irradiance(const CellsAt& cells_at, const Way& way, bool two_sided, Vec3d p)
+double mean_irradiance(const CellsAt& cells_at, const NodeMotionCase& way, bool two_sided, Vec3d p)
 {
     constexpr int times = 48;
     double sum = 0;
@@ -138,13 +138,13 @@ const Rectangle panel{{-0.4, 0.9, -0.3}, {0.8, 0.1, 0}, {0, 0.2, 0.7}};
 const std::vector<Vec3d> sail{{-0.4, 0.8, -0.3}, {0.5, 0.9, -0.2}, {0.1, 1.1, 0.5}};
 
 /// A kind of shape, as a node's geometry and as cells.
-struct Form {
+struct ShapeCase {
     const char* name;
     Shape shape;
     Cells cells;
     bool is_ball = false;
 };
-std::vector<Form> forms(SceneBuilder* b)
+std::vector<ShapeCase> forms(SceneBuilder* b)
 {
     const int mesh = b ? int(b->scene.meshes.size()) : 0;
     if (b) b->scene.meshes.push_back(triangle_mesh(sail));
@@ -160,16 +160,16 @@ std::vector<Form> forms(SceneBuilder* b)
 TEST(MovingLights, SendWhatTheyDoFromWhereTheyAre)
 {
     const std::size_t count = forms(nullptr).size();
-    for (const Way& way : ways)
+    for (const NodeMotionCase& way : ways)
         for (std::size_t kind = 0; kind < count; ++kind)
             for (const bool two_sided : {false, true}) {
-                const Form form = forms(nullptr)[kind];
+                const ShapeCase form = forms(nullptr)[kind];
                 SCOPED_TRACE(testing::Message()
                              << form.name << " that " << way.name << (two_sided ? ", two-sided" : ""));
                 Floor floor;
                 floor.samples = 512;
                 floor.shutter_close = 1;
-                floor.furnish = [&](SceneBuilder& b) {
+                floor.add_objects = [&](SceneBuilder& b) {
                     Shape shape = forms(&b)[kind].shape;
                     shape.material = b.diffuse(0, {3, 3, 3}, two_sided);
                     add_node(b, way.keys(), shape);
@@ -195,14 +195,14 @@ TEST(MovingLights, VerticesThatMove)
         for (std::size_t i = 0; i < 3; ++i) c[i] = keys[k][i] * (1 - f) + keys[k + 1][i] * f;
         return triangle_cells(c[0], c[1], c[2]);
     };
-    for (const Way& way : {rests, ways[0], ways[3]})
+    for (const NodeMotionCase& way : {rests, ways[0], ways[3]})
         for (const bool two_sided : {false, true})
             for (const bool flipped : {false, true}) {
                 SCOPED_TRACE(testing::Message() << "in a node that " << way.name << two_sided << flipped);
                 Floor floor;
                 floor.samples = 512;
                 floor.shutter_close = 1;
-                floor.furnish = [&](SceneBuilder& b) {
+                floor.add_objects = [&](SceneBuilder& b) {
                     Mesh mesh = triangle_mesh(sail);
                     for (int k = 0; k < 3; ++k) mesh.motion.push_back({times[k], triangle_mesh(keys[k]).positions, {}});
                     if (flipped) {
@@ -235,7 +235,7 @@ TEST(MovingLights, HaveLessNoiseThanWhatIsFoundByChance)
                 floor.samples = 256;
                 floor.shutter_close = 1;
                 floor.light_sampling = light_sampling;
-                floor.furnish = [&](SceneBuilder& b) {
+                floor.add_objects = [&](SceneBuilder& b) {
                     const int material = b.diffuse(0, {3, 3, 3}, true);
                     const Transform small = Transform::translate({0.3, 0.9, 0}) * Transform::scale({0.2, 0.2, 0.2});
                     if (kind == count) {
@@ -264,12 +264,12 @@ TEST(MovingLights, HaveLessNoiseThanWhatIsFoundByChance)
 /// whole shutter interval.
 TEST(MovingLights, TurnTowardsTheFloor)
 {
-    const Way way{"turns over", {0, 2, 0}, 2.8, {1, 0, 0}};
+    const NodeMotionCase way{"turns over", {0, 2, 0}, 2.8, {1, 0, 0}};
     const Rectangle up{{-0.2, 1, 0.2}, {0.4, 0, 0}, {0, 0, -0.4}};
     Floor floor;
     floor.samples = 1024;
     floor.shutter_close = 1;
-    floor.furnish = [&](SceneBuilder& b) {
+    floor.add_objects = [&](SceneBuilder& b) {
         b.add(Sphere{{1, 1, 0}, 0.2, {}}, b.diffuse(0, {1, 1, 1}));
         add_node(b, way.keys(), {up, b.diffuse(0, {3, 3, 3}), ""});
     };
@@ -284,7 +284,7 @@ TEST(MovingLights, TurnTowardsTheFloor)
 }
 
 /// An image from dark at the bottom left to bright at the top right.
-ImageFile rising_picture()
+ImageFile gradient_image()
 {
     ImageFile file{"rising.ppm", {}, {}};
     for (const char c : std::string("P6\n2 2\n255\n")) file.bytes.push_back(std::byte(c));
@@ -293,7 +293,7 @@ ImageFile rising_picture()
     return file;
 }
 /// Value of the image at coordinates from -1 to 1, right and up.
-double rising(double right, double up, double along)
+double gradient_value(double right, double up, double along)
 {
     if (!(along > 0) || std::abs(right) > 1 || std::abs(up) > 1) return 0;
     const double x = std::clamp(right + 0.5, 0.0, 1.0), y = std::clamp(up + 0.5, 0.0, 1.0);
@@ -303,23 +303,23 @@ double rising(double right, double up, double along)
 /// Point, spot, projector and beam lights follow their moving node.
 TEST(MovingLights, PointsSpotsProjectorsAndBeams)
 {
-    for (const Way& way : ways)
+    for (const NodeMotionCase& way : ways)
         for (const LightKind kind : {LightKind::point, LightKind::spot, LightKind::projector, LightKind::beam}) {
             const bool spot = kind == LightKind::spot, projector = kind == LightKind::projector,
                        beam = kind == LightKind::beam;
             SCOPED_TRACE(way.name);
-            const Transform rest = Transform::translate({0.2, 1.1, 0}) * shining({0.1, -1, 0.2});
+            const Transform rest = Transform::translate({0.2, 1.1, 0}) * rotate_to({0.1, -1, 0.2});
             Floor floor;
             floor.samples = 512;
             floor.shutter_close = 1;
-            floor.furnish = [&](SceneBuilder& b) {
+            floor.add_objects = [&](SceneBuilder& b) {
                 Light light;
                 light.kind = kind;
                 if (projector) light.picture = {0, ColorSpace::linear, false}, light.fov = 1.6;
                 light.intensity = {2, 2, 2};
                 light.inner_angle = 0.2, light.outer_angle = 0.7;
                 light.width = 0.9, light.height = 0.6;
-                if (projector) b.scene.images.push_back(rising_picture());
+                if (projector) b.scene.images.push_back(gradient_image());
                 b.light(light, rest);
                 // A moving parent whose origin differs from the light's.
                 Node arm;
@@ -342,8 +342,8 @@ TEST(MovingLights, PointsSpotsProjectorsAndBeams)
                     const Vec3d right = normalize(side - along * dot(side, along)), top = cross(right, along);
                     const Vec3d d = to * -1.0;
                     const double turned = dot(top, now.vector({0, 1, 0})) < 0 ? -1 : 1;
-                    share = rising(dot(d, right) / dot(d, along) / std::tan(0.8),
-                                   turned * dot(d, top) / dot(d, along) / std::tan(0.8), dot(d, along));
+                    share = gradient_value(dot(d, right) / dot(d, along) / std::tan(0.8),
+                                           turned * dot(d, top) / dot(d, along) / std::tan(0.8), dot(d, along));
                 }
                 if (beam) {
                     // The beam runs along the normal of its area, from the foot of the perpendicular.
@@ -367,13 +367,14 @@ TEST(MovingLights, PointsSpotsProjectorsAndBeams)
 /// for the whole shutter interval.
 TEST(MovingLights, SpotsTurnTowardsTheFloor)
 {
-    const Way way{"turns over", {0, 2, 0}, 2.8, {1, 0, 0}};
+    const NodeMotionCase way{"turns over", {0, 2, 0}, 2.8, {1, 0, 0}};
     const Vec3d start{0.2, 1, 0}, in_the_end = floor_point - way.at(1).point(start);
-    const Transform rest = Transform::translate(start) * shining(Transform::rotate({1, 0, 0}, -2.8).vector(in_the_end));
+    const Transform rest =
+        Transform::translate(start) * rotate_to(Transform::rotate({1, 0, 0}, -2.8).vector(in_the_end));
     Floor floor;
     floor.samples = 1024;
     floor.shutter_close = 1;
-    floor.furnish = [&](SceneBuilder& b) {
+    floor.add_objects = [&](SceneBuilder& b) {
         b.add(Sphere{{1, 1, 0}, 0.2, {}}, b.diffuse(0, {1, 1, 1}));
         Light light;
         light.kind = LightKind::spot;

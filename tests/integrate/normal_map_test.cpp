@@ -22,15 +22,6 @@ int normal_map(SceneBuilder& b)
     return b.material(m);
 }
 
-Vec3d shown_normal(const SceneDescription& scene)
-{
-    RenderSettings settings = small_picture(1, 1);
-    settings.aovs = {Aov::normal};
-    const Image image = render_film(scene, settings, 1).image(false, false);
-    const auto& n = image.find("normal")->pixels;
-    return {n[0], n[1], n[2]};
-}
-
 void expect_near(Vec3d a, Vec3d b, const std::string& what)
 {
     EXPECT_LT(length(a - b), 1e-4) << what << ": " << a.x << " " << a.y << " " << a.z << ", not " << b.x << " " << b.y
@@ -93,7 +84,7 @@ TEST(NormalMap, BendsAlongTheAxesOfTheImage)
                             normal = normalize(transform.vector({0, 0, 1}));
                 b.camera(transform.point({0.1, 0.2, 3}), transform.point({0.1, 0.2, 0}), 0.1);
                 expect_near(
-                    shown_normal(b.scene),
+                    shown_normal(b.scene, 1),
                     tangent * red + up * green + normal * std::sqrt(1 - red * red - green * green),
                     std::to_string(copies) + " " + std::to_string(&mirror - mirrors) + " " + std::to_string(bits));
             }
@@ -125,7 +116,7 @@ TEST(NormalMap, BendsAlongTheAxesOfShapes)
             b.scene.nodes.push_back(node);
             b.camera(transform.point(c.from), transform.point(c.at), 1e-4);
             const auto turned = [&](Vec3d v) { return normalize(transform.vector(v)); };
-            expect_near(shown_normal(b.scene),
+            expect_near(shown_normal(b.scene, 1),
                         turned(c.tangent) * red + turned(c.up) * green +
                             turned(c.normal) * std::sqrt(1 - red * red - green * green),
                         std::to_string(&c - cases) + " " + std::to_string(&mirror - mirrors));

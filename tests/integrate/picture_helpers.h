@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 
@@ -57,14 +58,54 @@ struct SceneBuilder {
     void light(const Light& l, const Transform& place) { add_light(scene, l, place); }
 };
 
+/// An environment of the same radiance in all directions.
+inline Environment uniform_sky(Color color = {1, 1, 1})
+{
+    Environment e;
+    e.kind = EnvironmentKind::constant;
+    e.color = color;
+    return e;
+}
+
+/// A diffuse floor seen from above through a narrow lens, without lights.
+inline SceneBuilder floor_scene(float albedo, double fov_y_deg)
+{
+    SceneBuilder b;
+    b.add(Rectangle{{-50, 0, 50}, {100, 0, 0}, {0, 0, -100}}, b.diffuse(albedo));
+    b.camera({0, 1, 0}, {0, 0, 0}, fov_y_deg);
+    return b;
+}
+
+/// A mesh of eight triangles, one per octant, each split into n^2: point(sign, i, j) with the octant's signs is the
+/// position of a vertex, of n + 1 rows.
+template <class Point>
+Mesh octahedron_mesh(std::uint32_t n, const Point& point)
+{
+    Mesh mesh;
+    for (int face = 0; face < 8; ++face) {
+        const Vec3d sign{face & 1 ? -1. : 1., face & 2 ? -1. : 1., face & 4 ? -1. : 1.};
+        const auto base = std::uint32_t(mesh.positions.size());
+        for (std::uint32_t i = 0; i <= n; ++i)
+            for (std::uint32_t j = 0; j <= n - i; ++j) mesh.positions.push_back(point(sign, i, j));
+        const auto at = [&](std::uint32_t i, std::uint32_t j) { return base + i * (n + 1) - i * (i - 1) / 2 + j; };
+        for (std::uint32_t i = 0; i < n; ++i)
+            for (std::uint32_t j = 0; j < n - i; ++j) {
+                mesh.indices.insert(mesh.indices.end(), {at(i, j), at(i + 1, j), at(i, j + 1)});
+                if (i + j + 1 < n)
+                    mesh.indices.insert(mesh.indices.end(), {at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)});
+            }
+    }
+    return mesh;
+}
+
 /// Rotates -z, along which lights emit, to a direction.
-inline Transform shining(Vec3d along)
+inline Transform rotate_to(Vec3d along)
 {
     const Vec3d d = normalize(along), axis = cross({0, 0, -1}, d);
     return Transform::rotate(length(axis) > 1e-9 ? axis : Vec3d{0, 1, 0}, std::acos(std::clamp(-d.z, -1.0, 1.0)));
 }
 
-inline RenderSettings small_picture(int width = 32, int height = 24)
+inline RenderSettings small_image_settings(int width = 32, int height = 24)
 {
     RenderSettings s;
     s.width = width;
@@ -84,6 +125,16 @@ inline Film render_film(const SceneDescription& description, const RenderSetting
     return film;
 }
 
+/// Mean normal layer of an image of one pixel.
+inline Vec3d shown_normal(const SceneDescription& scene, std::uint64_t samples)
+{
+    RenderSettings settings = small_image_settings(1, 1);
+    settings.aovs = {Aov::normal};
+    const Image image = render_film(scene, settings, samples).image(false, false);
+    const auto& n = image.find("normal")->pixels;
+    return {n[0], n[1], n[2]};
+}
+
 struct Mean {
     double value[3] = {}, error[3] = {};  ///< image mean and its standard error
 };
@@ -101,6 +152,19 @@ inline Mean mean_of(const Film& film)
     }
     for (double& e : m.error) e = std::sqrt(e);
     return m;
+}
+
+/// Image means by light selection, each with its own seed.
+inline std::array<Mean, 3> means_by_selection(const SceneDescription& scene, RenderSettings settings,
+                                              std::uint64_t samples)
+{
+    std::array<Mean, 3> means;
+    for (const LightSelection selection : {LightSelection::tree, LightSelection::power, LightSelection::uniform}) {
+        settings.light_selection = selection;
+        ++settings.seed;
+        means[std::size_t(selection)] = mean_of(render_film(scene, settings, samples));
+    }
+    return means;
 }
 
 /// The image's mean is `expected` within four standard errors plus the relative tolerance.

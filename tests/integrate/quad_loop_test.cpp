@@ -106,7 +106,7 @@ void compare_loops(bool others)
         SCOPED_TRACE(seed);
         Warnings warnings;
         const Scene scene = Scene::compile(random_room(seed, others), "", warnings);
-        RenderSettings fast = small_picture(), general = fast;
+        RenderSettings fast = small_image_settings(), general = fast;
         general.general_loop = true;
         general.seed = 1;
         const RenderJob jobs[] = {{scene, fast}, {scene, general}};
@@ -150,7 +150,7 @@ TEST(QuadLoop, PathsThatWaitStayTheSame)
     for (unsigned seed = 1; seed <= 10; ++seed) {
         Warnings warnings;
         const Scene scene = Scene::compile(random_room(seed, true), "", warnings);
-        const RenderJob job{scene, small_picture()};
+        const RenderJob job{scene, small_image_settings()};
         Film whole(job), parts(job);
         render(job, {0, 64}, whole);
         for (const auto& [from, to] : {std::pair(0, 7), std::pair(7, 20), std::pair(20, 64)})

@@ -9,13 +9,6 @@ using namespace test;
 
 constexpr double pi = std::numbers::pi;
 
-Environment white()
-{
-    Environment e;
-    e.kind = EnvironmentKind::constant;
-    return e;
-}
-
 /// More primitives than a flat scene allows, out of view, so that visible shapes are intersected through the BVH.
 void add_crowd(SceneBuilder& b, Vec3d at, double size)
 {
@@ -25,7 +18,7 @@ void add_crowd(SceneBuilder& b, Vec3d at, double size)
 
 /// Fraction of a square of side 6 around (1, 0) covered by a disk of radius 1 or a sphere's shadow under light at 45
 /// degrees: an ellipse.
-double covered_share()
+double covered_fraction()
 {
     constexpr int n = 2000;
     int covered = 0;
@@ -40,7 +33,7 @@ double covered_share()
 /// A black sphere on a 10 km ground, and its shadow next to it.
 TEST(RayOffset, ShadowsOfSmallThingsOnAHugeGround)
 {
-    const double share = covered_share();
+    const double share = covered_fraction();
     for (const bool in_tree : {false, true})
         for (const bool mesh : {false, true})
             for (const double radius : {1e-3, 1e-2, 1.0}) {
@@ -70,7 +63,7 @@ TEST(RayOffset, ShadowsOfSmallThingsOnAHugeGround)
                 b.scene.cameras[0].height = 6 * radius;
                 b.scene.cameras[0].up = {0, 0, 1};
                 SCOPED_TRACE(std::to_string(in_tree) + std::to_string(mesh) + " " + std::to_string(radius));
-                const Mean mean = mean_of(render_film(b.scene, small_picture(64, 64), 16));
+                const Mean mean = mean_of(render_film(b.scene, small_image_settings(64, 64), 16));
                 const double lit = 0.5 / pi * 4 * std::sqrt(0.5);
                 EXPECT_NEAR(mean.value[0] / lit, 1 - share, 0.01);
             }
@@ -79,26 +72,13 @@ TEST(RayOffset, ShadowsOfSmallThingsOnAHugeGround)
 /// A sphere of flat-shaded triangles.
 Mesh ball_mesh(std::uint32_t n)
 {
-    Mesh mesh;
-    for (int face = 0; face < 8; ++face) {
-        const double sx = face & 1 ? -1 : 1, sy = face & 2 ? -1 : 1, sz = face & 4 ? -1 : 1;
-        const auto base = std::uint32_t(mesh.positions.size());
-        for (std::uint32_t i = 0; i <= n; ++i)
-            for (std::uint32_t j = 0; j <= n - i; ++j)
-                mesh.positions.push_back(rounded(normalize(Vec3d{sx * i, sy * j, sz * (n - i - j)})));
-        const auto at = [&](std::uint32_t i, std::uint32_t j) { return base + i * (n + 1) - i * (i - 1) / 2 + j; };
-        for (std::uint32_t i = 0; i < n; ++i)
-            for (std::uint32_t j = 0; j < n - i; ++j) {
-                mesh.indices.insert(mesh.indices.end(), {at(i, j), at(i + 1, j), at(i, j + 1)});
-                if (i + j + 1 < n)
-                    mesh.indices.insert(mesh.indices.end(), {at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)});
-            }
-    }
-    return mesh;
+    return octahedron_mesh(n, [n](Vec3d sign, std::uint32_t i, std::uint32_t j) {
+        return rounded(normalize(Vec3d{sign.x * i, sign.y * j, sign.z * (n - i - j)}));
+    });
 }
 
 /// Convex objects never shadow themselves: with albedo 1/2 under a white sky every sample is exactly half of it.
-TEST(RayOffset, NothingConvexShadowsItself)
+TEST(RayOffset, ConvexSurfacesDoNotShadowThemselves)
 {
     Mesh sheet;
     sheet.positions = {{-1, -1, 0}, {1, -1, 0}, {-1, 1, 0}, {1, 1, 0}};
@@ -144,12 +124,12 @@ TEST(RayOffset, NothingConvexShadowsItself)
                                 b.scene.roots.push_back(2);
                             }
                             if (in_tree) add_crowd(b, Vec3d{0, 0, -200} * size, 0.01 * size);
-                            b.scene.environment = white();
+                            b.scene.environment = uniform_sky();
                             // The view is limited to the object's center, so that the sky is not visible.
                             const Vec3d front = normalize(node.parent_from_node.vector({0.3, 0.2, 1}));
                             b.camera(front * (distance * size), {0, 0, 0}, 0.5 / distance * 60);
                             b.scene.cameras[0].shutter_close = moves ? 1 : 0;
-                            const Mean mean = mean_of(render_film(b.scene, small_picture(16, 16), 16));
+                            const Mean mean = mean_of(render_film(b.scene, small_image_settings(16, 16), 16));
                             EXPECT_NEAR(mean.value[0], 0.5, 1e-5)
                                 << "shape " << &shape - shapes.data() << " in tree " << in_tree << " moves " << moves
                                 << " turn " << &turn - turns << " size " << size << " distance " << distance;
@@ -169,9 +149,10 @@ TEST(RayOffset, ClosedBoxesAreDark)
                 b.scene.nodes.push_back(node);
                 b.scene.roots.push_back(1);
                 if (in_tree) add_crowd(b, Vec3d{0, 0, -5} * size, 0.01 * size);
-                b.scene.environment = white();
+                b.scene.environment = uniform_sky();
                 b.camera(Vec3d{0.1, 0.2, 0.3} * size, Vec3d{0.9, 0.8, -0.7} * size, 100);
-                EXPECT_EQ(mean_of(render_film(b.scene, small_picture(), 256)).value[0], 0) << in_tree << " " << size;
+                EXPECT_EQ(mean_of(render_film(b.scene, small_image_settings(), 256)).value[0], 0)
+                    << in_tree << " " << size;
             }
 }
 

@@ -43,7 +43,7 @@ double phase(double g, double cosine)
 }
 
 /// A sheet with two boundaries reflects 2 r / (1 + r), with r by Fresnel's equations.
-double passed_by_sheet(double ior, double cosine)
+double sheet_transmittance(double ior, double cosine)
 {
     const double t = std::sqrt(1 - (1 - cosine * cosine) / (ior * ior));
     const double s = (cosine - ior * t) / (cosine + ior * t), p = (ior * cosine - t) / (ior * cosine + t);
@@ -64,9 +64,9 @@ TEST(SeeThrough, FogScattersOnce)
             sun.kind = LightKind::directional;
             sun.intensity = {3, 3, 3};
             const double a = degrees * std::numbers::pi / 180, cosine = std::cos(a);
-            b.light(sun, shining({std::sin(a), 0, -cosine}));
+            b.light(sun, rotate_to({std::sin(a), 0, -cosine}));
             b.camera({0, 0, 4}, {0, 0, 0}, 0.01);
-            RenderSettings settings = small_picture(4, 4);
+            RenderSettings settings = small_image_settings(4, 4);
             settings.max_depth = 1;
             // Light travels z / cosine inwards and z back; the scattering angle towards the camera is the angle to +z.
             const double rate = extinction * (1 + 1 / cosine);
@@ -94,7 +94,7 @@ TEST(SeeThrough, AsByChanceAlone)
     for (const Material& m : {fog(0.3, 0.9, 0.3), sheet, full})
         for (const int max_depth : {2, 3, 12}) {
             const SceneBuilder b = lamp_in_fog(m);
-            RenderSettings settings = small_picture(24, 24);
+            RenderSettings settings = small_image_settings(24, 24);
             settings.max_depth = max_depth;
             const Mean sampled = mean_of(render_film(b.scene, settings, 1024));
             settings.light_sampling = false;
@@ -102,7 +102,7 @@ TEST(SeeThrough, AsByChanceAlone)
             const Mean by_chance = mean_of(render_film(b.scene, settings, 8192));
             const double error = std::hypot(sampled.error[0], by_chance.error[0]);
             EXPECT_NEAR(sampled.value[0], by_chance.value[0], 4 * error) << max_depth << " " << m.thin;
-            EXPECT_LT(error, 0.02 * by_chance.value[0]) << "the picture can tell";
+            EXPECT_LT(error, 0.02 * by_chance.value[0]) << "the test is too noisy to detect a difference";
         }
 }
 
@@ -117,7 +117,7 @@ TEST(SeeThrough, WhiteFogIsNotSeen)
         b.scene.environment.kind = EnvironmentKind::constant;
         b.scene.environment.color = {1, 1, 1};
         b.camera({0, 0, 5}, {0, 0, 0}, 30);
-        expect_mean(render_film(b.scene, small_picture(), 256), 1, 1e-4);
+        expect_mean(render_film(b.scene, small_image_settings(), 256), 1, 1e-4);
     }
 }
 
@@ -136,9 +136,9 @@ TEST(SeeThrough, LampBehindPanes)
         b.light(lamp, Transform::translate({3, 4, 0}));
         // The camera is below the panes.
         b.camera({0, 0.9, 0.1}, {0, 0, 0}, 0.01);
-        RenderSettings settings = small_picture(4, 4);
+        RenderSettings settings = small_image_settings(4, 4);
         settings.max_depth = max_depth;
-        const double passed = passed_by_sheet(double(ior), 0.8) * double(color);
+        const double passed = sheet_transmittance(double(ior), 0.8) * double(color);
         const double direct = 0.5 / std::numbers::pi * 10 * 0.8 / 25 * passed * passed;
         const Mean m = mean_of(render_film(b.scene, settings, 256));
         if (max_depth < 3)
@@ -167,7 +167,7 @@ TEST(SeeThrough, LampWithinGlassBesideAPane)
         lamp.intensity = {10, 10, 10};
         b.light(lamp, Transform::translate({1.5, 2, 0}));
         b.camera({0, 2.5, 0}, {0, 0, 0}, 0.01);
-        RenderSettings settings = small_picture(4, 4);
+        RenderSettings settings = small_image_settings(4, 4);
         settings.max_depth = 1;
         // Both segments are absorbed: 2.5 to the light, with a cosine of 0.8, and 2.5 to the camera.
         const double expected = 0.5 / std::numbers::pi * 10 * 0.8 / 6.25 * std::pow(0.5, 5);
@@ -184,7 +184,7 @@ TEST(SeeThrough, FirstHitsAreBehindFog)
         b.add(Box{{-5, -5, -1}, {5, 5, 0}}, b.material(fog(0.1, dense, 0)));
         b.add(Rectangle{{-50, -50, -3}, {100, 0, 0}, {0, 100, 0}}, b.diffuse(0.25f));
         b.camera({0, 0, 4}, {0, 0, 0}, 0.01);
-        RenderSettings settings = small_picture(4, 4);
+        RenderSettings settings = small_image_settings(4, 4);
         settings.aovs = {Aov::depth, Aov::albedo};
         settings.alpha = true;
         const Image image = render_film(b.scene, settings, 64).image(true, false);

@@ -7,13 +7,6 @@ namespace {
 
 using namespace test;
 
-Environment white()
-{
-    Environment e;
-    e.kind = EnvironmentKind::constant;
-    return e;
-}
-
 /// A unit sphere of about `count` triangles with smooth shading normals.
 Mesh smooth_ball(int count)
 {
@@ -61,9 +54,9 @@ TEST(ShadingNormal, SmoothBallsOfFewTrianglesHaveNoBlackRim)
             m.base_color.value = {1, 1, 1};
             b.scene.meshes.push_back(smooth_ball(count));
             b.add(MeshInstance{0}, b.material(m));
-            b.scene.environment = white();
+            b.scene.environment = uniform_sky();
             b.camera({0.5, 1, 4}, {0, 0, 0}, 32);
-            const Extremes e = extremes_of(render_film(b.scene, small_picture(64, 64), 64));
+            const Extremes e = extremes_of(render_film(b.scene, small_image_settings(64, 64), 64));
             SCOPED_TRACE(std::to_string(int(kind)) + " " + std::to_string(count));
             // In glass some light is totally reflected until the depth limit.
             const bool mirror = kind == MaterialKind::metal;
@@ -100,11 +93,11 @@ TEST(ShadingNormal, StrongNormalMapsLeaveNoHoles)
         m.fuzz = 0;
         m.normal_texture = 0;
         b.add(Box{{-20, -0.5, -20}, {20, 0, 20}}, b.material(m));
-        b.scene.environment = white();
+        b.scene.environment = uniform_sky();
         for (const double height : {0.3, 1.0, 4.0}) {
             SceneBuilder seen = b;
             seen.camera({0, height, 2}, {0, 0, 0}, 20);
-            const Extremes e = extremes_of(render_film(seen.scene, small_picture(), 64));
+            const Extremes e = extremes_of(render_film(seen.scene, small_image_settings(), 64));
             SCOPED_TRACE(std::to_string(int(c.kind)) + " " + std::to_string(height));
             EXPECT_GT(e.least, c.least);
             EXPECT_NEAR(e.mean, 1, c.mean);
@@ -128,9 +121,9 @@ TEST(ShadingNormal, ClosedRoomsAreDark)
         m.base_color.value = {1, 1, 1};
         m.normal_texture = 0;
         b.add(Box{{-1, -1, -1}, {1, 1, 1}}, b.material(m));
-        b.scene.environment = white();
+        b.scene.environment = uniform_sky();
         b.camera({0.1, 0.2, 0.3}, {0.9, 0.8, -0.7}, 100);
-        EXPECT_EQ(mean_of(render_film(b.scene, small_picture(), 64)).value[0], 0);
+        EXPECT_EQ(mean_of(render_film(b.scene, small_image_settings(), 64)).value[0], 0);
     }
 }
 

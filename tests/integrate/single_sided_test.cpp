@@ -44,7 +44,7 @@ struct Layers : SceneBuilder {
     }
     Image picture(std::vector<Aov> aovs = {}) const
     {
-        RenderSettings settings = small_picture(4, 4);
+        RenderSettings settings = small_image_settings(4, 4);
         settings.aovs = std::move(aovs);
         return render_film(scene, settings, 4).image(false, false);
     }
@@ -87,7 +87,7 @@ TEST(SingleSided, ManyBacksInARow)
         EXPECT_EQ(open.color(), (Color{0, 0, 0})) << n;
     }
 }
-TEST(SingleSided, LayersAreThoseOfWhatIsSeen)
+TEST(SingleSided, LayersDescribeTheVisibleSurface)
 {
     for (const std::uint32_t n : {1u, 20u}) {
         Layers scene(n);
@@ -116,7 +116,7 @@ TEST(SingleSided, LightDoesNotPass)
             Light sun;
             sun.kind = LightKind::directional;
             sun.intensity = {1, 1, 1};
-            scene.light(sun, shining({0, 0, -1}));
+            scene.light(sun, rotate_to({0, 0, -1}));
             EXPECT_LT(scene.color().g, 1e-6f) << n << front_up;
         }
 }

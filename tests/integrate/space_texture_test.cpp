@@ -7,7 +7,7 @@ namespace {
 using namespace test;
 
 /// Texture coordinates of a plane that is fixed in world space, for any transform of the shape.
-TEST(SpaceTextures, StandWhereTheirTransformSays)
+TEST(SpaceTextures, FollowTheirTransform)
 {
     const Transform world_from_texture =
         Transform::translate({1, 2, 3}) * Transform::rotate({1, 2, 3}, 0.8) * Transform::scale({2, 3, 4});
@@ -27,7 +27,7 @@ TEST(SpaceTextures, StandWhereTheirTransformSays)
         b.scene.roots.push_back(int(b.scene.nodes.size()));
         b.scene.nodes.push_back(node);
         b.camera({10.5, 10.25, 1}, {10.5, 10.25, 0}, 0.05);
-        const Mean mean = mean_of(render_film(b.scene, small_picture(1, 1), 4));
+        const Mean mean = mean_of(render_film(b.scene, small_image_settings(1, 1), 4));
         const Vec3d p = world_from_texture.inverse().point({10.5, 10.25, 0});
         EXPECT_NEAR(mean.value[0], std::abs(p.x), 1e-3);
         EXPECT_NEAR(mean.value[1], std::abs(p.y), 1e-3);
@@ -58,7 +58,7 @@ TEST(SpaceTextures, FacingIsOfTheWorld)
             b.scene.nodes.push_back(node);
             const Vec3d normal = normalize(transform.vector({0, 0, 1}));
             b.camera(normal * (behind ? -2.0 : 2.0), {0, 0, 0}, 0.05);
-            EXPECT_NEAR(mean_of(render_film(b.scene, small_picture(1, 1), 4)).value[0],
+            EXPECT_NEAR(mean_of(render_film(b.scene, small_image_settings(1, 1), 4)).value[0],
                         std::abs(dot(normal, direction)), 1e-4);
         }
 }

@@ -7,13 +7,6 @@ namespace {
 
 using namespace test;
 
-Environment white_sky()
-{
-    Environment e;
-    e.kind = EnvironmentKind::constant;
-    return e;
-}
-
 /// All light enters the solid: its boundary reflects nothing.
 Material subsurface(Color color, double radius, float anisotropy = 0)
 {
@@ -82,10 +75,10 @@ Mean face_of(const Material& m, double degrees, std::uint64_t samples = 1024)
 {
     SceneBuilder b;
     b.add(Box{{-200, -200, -200}, {200, 200, 0}}, b.material(m));
-    b.scene.environment = white_sky();
+    b.scene.environment = uniform_sky();
     const double a = degrees * std::numbers::pi / 180;
     b.camera(Vec3d{std::sin(a), 0, std::cos(a)} * 20, {0, 0, 0}, 0.01);
-    return mean_of(render_film(b.scene, small_picture(16, 16), samples));
+    return mean_of(render_film(b.scene, small_image_settings(16, 16), samples));
 }
 
 TEST(Subsurface, HalfSpaceHasChandrasekharsAlbedo)
@@ -102,7 +95,7 @@ TEST(Subsurface, HalfSpaceHasChandrasekharsAlbedo)
 }
 
 /// With a Lambertian boundary, the spherical albedo of the half-space is the material's color.
-TEST(Subsurface, ColourIsWhatAHalfSpaceShows)
+TEST(Subsurface, ColorIsTheAlbedoOfAHalfSpace)
 {
     const double color[] = {0.15, 0.5, 0.85};
     const Mean m = face_of(subsurface({0.15f, 0.5f, 0.85f}, 0.5), 40);
@@ -133,9 +126,9 @@ TEST(Subsurface, WhiteSolidsAreInvisible)
         Material glass;
         glass.kind = MaterialKind::glass;
         if (with_glass) b.add(Sphere{{0.2, 0.1, 0.5}, 0.3, {}}, b.material(glass));
-        b.scene.environment = white_sky();
+        b.scene.environment = uniform_sky();
         b.camera({0, 0, 2.2}, {0, 0, 0}, 30);
-        expect_mean(render_film(b.scene, small_picture(), 64), 1, tolerance);
+        expect_mean(render_film(b.scene, small_image_settings(), 64), 1, tolerance);
     };
     for (float g : {-0.8f, 0.0f, 0.9f}) {
         Material m = subsurface({1, 1, 1}, 0.1, g);
@@ -172,7 +165,7 @@ TEST(Subsurface, UnscatteredLightFollowsTheLawOfBeer)
     lamp.emission.value = {1, 1, 1};
     b.add(Sphere{{0, 0, -40}, 0.02, {}}, b.material(lamp));
     b.camera({0, 0, 10}, {0, 0, 0}, 0.02);
-    const Mean mean = mean_of(render_film(b.scene, small_picture(16, 16), 2048));
+    const Mean mean = mean_of(render_film(b.scene, small_image_settings(16, 16), 2048));
     for (int c = 0; c < 3; ++c) {
         EXPECT_NEAR(mean.value[c], left[c], 4 * mean.error[c] + 1e-5) << c;
         EXPECT_LT(mean.error[c], 0.02 * left[c]) << c;
@@ -188,7 +181,7 @@ TEST(Subsurface, LightSamplingFindsTheSame)
         b.add(Sphere{{0, 0, 0}, 1, {}}, b.material(subsurface({0.9f, 0.7f, 0.5f}, 0.3)));
         b.add(Sphere{{2.5, 1, 0}, 1, {}}, b.diffuse(0, {3, 3, 3}));
         b.camera({0, 0, 4}, {0, 0, 0}, 20);
-        RenderSettings settings = small_picture();
+        RenderSettings settings = small_image_settings();
         settings.light_sampling = sampled;
         mean[sampled] = mean_of(render_film(b.scene, settings, sampled ? 128 : 512));
     }
@@ -206,7 +199,7 @@ TEST(Subsurface, LampsWithinAreFoundByScattering)
         b.add(Sphere{{0, 0, 0}, 1, {}}, b.material(cloud({0.9f, 0.7f, 0.3f})));
         b.add(Sphere{{0, 0, -0.3}, 0.4, {}}, b.diffuse(0, {3, 3, 3}));
         b.camera({0, 4, 0}, {0, 0.7, 0}, 10);
-        RenderSettings settings = small_picture();
+        RenderSettings settings = small_image_settings();
         settings.light_sampling = sampled;
         mean[sampled] = mean_of(render_film(b.scene, settings, 256));
     }
@@ -225,14 +218,14 @@ TEST(Subsurface, RefractedLightIsInAnotherMedium)
     m.ior = 1;
     SceneBuilder b;
     b.add(Sphere{{0, 0, 0}, 1, {}}, b.material(m));
-    b.scene.environment = white_sky();
+    b.scene.environment = uniform_sky();
     b.camera({0, 0, 5}, {0, 0, 0}, 10);
-    expect_mean(render_film(b.scene, small_picture(), 64), 0.5, 0.005);
+    expect_mean(render_film(b.scene, small_image_settings(), 64), 0.5, 0.005);
 }
 
 /// The texture where light enters times the material's color is the albedo of the walk, and of the albedo layer. Both
 /// boxes have the same medium.
-TEST(Subsurface, ColourHasATexture)
+TEST(Subsurface, ColorHasATexture)
 {
     const Color colors[] = {{0.85f, 0.5f, 0.15f}, {0.2f, 0.8f, 0.5f}};
     SceneBuilder boxes;
@@ -246,12 +239,12 @@ TEST(Subsurface, ColourHasATexture)
         const double x = i == 0 ? -11 : 1;
         boxes.add(Box{{x, -10, -10}, {x + 10, 10, 0}}, boxes.material(m));
     }
-    boxes.scene.environment = white_sky();
+    boxes.scene.environment = uniform_sky();
     for (int i = 0; i < 2; ++i) {
         SceneBuilder b = boxes;
         const double x = i == 0 ? -6 : 6;
         b.camera(Vec3d{x, 0, 5}, {x, 0, 0}, 1);
-        RenderSettings settings = small_picture(16, 16);
+        RenderSettings settings = small_image_settings(16, 16);
         settings.aovs = {Aov::albedo};
         const Film film = render_film(b.scene, settings, 1024);
         const Mean m = mean_of(film);
@@ -286,9 +279,9 @@ TEST(Subsurface, EachSolidHasItsOwnTexture)
         };
         add(Box{{-5, -5, -1}, {5, 0, 5}}, {0.9f, 0.5f, 0.1f});
         add(Box{{-5, 0.01, -5}, {5, 5, -1}}, {0.1f, 0.6f, 0.9f});
-        b.scene.environment = white_sky();
+        b.scene.environment = uniform_sky();
         b.camera({0, 3, 4}, {0, 0, -0.5}, 2);
-        mean[textured] = mean_of(render_film(b.scene, small_picture(16, 16), 1024));
+        mean[textured] = mean_of(render_film(b.scene, small_image_settings(16, 16), 1024));
     }
     for (int c = 0; c < 3; ++c)
         EXPECT_NEAR(mean[1].value[c], mean[0].value[c],
@@ -323,11 +316,11 @@ TEST(Subsurface, RadiusHasATexture)
         const Material m = radius_by_textures(slabs, {0, 0, 0}, x < 0 ? 0.8f : 0.3f);
         slabs.add(Box{{x, -50, -0.2}, {x + 100, 50, 0}}, slabs.material(m));
     }
-    slabs.scene.environment = white_sky();
+    slabs.scene.environment = uniform_sky();
     for (const double x : {-51.0, 51.0}) {
         SceneBuilder b = slabs;
         b.camera(Vec3d{x, 0, 5}, {x, 0, 0}, 1);
-        const Mean m = mean_of(render_film(b.scene, small_picture(16, 16), 1024));
+        const Mean m = mean_of(render_film(b.scene, small_image_settings(16, 16), 1024));
         for (int c = 0; c < 3; ++c) {
             const double thickness = 0.2 / ((x < 0 ? 0.8 : 0.3) * std::exp2(-c));
             double expected = 0;
@@ -343,7 +336,7 @@ TEST(Subsurface, RadiusHasATexture)
 
 /// Textured radii with scattering, and with NEE inside the solid: chalk under a light whose back is visible, in wax and
 /// in black ice.
-TEST(Subsurface, TexturedRadiusIsThatOfAllWays)
+TEST(Subsurface, TexturedRadiusAppliesToTheWholeWalk)
 {
     enum { plain, textured, by_chance };
     const auto show = [](Color color, int way) {
@@ -353,7 +346,7 @@ TEST(Subsurface, TexturedRadiusIsThatOfAllWays)
         b.add(Disk{{0, 0, -0.2}, {0, 0, 1}, 0.7}, b.diffuse(0.8f));
         b.add(Disk{{0, 0, 0.3}, {0, 0, -1}, 0.2}, b.diffuse(0, {9, 9, 9}));
         b.camera({0, 0, 4}, {0, 0, 0}, 5);
-        RenderSettings settings = small_picture();
+        RenderSettings settings = small_image_settings();
         settings.light_sampling = way != by_chance;
         return mean_of(render_film(b.scene, settings, way == by_chance ? 2048 : 1024));
     };
@@ -375,9 +368,9 @@ TEST(Subsurface, OnlySurfacesCountForTheDepth)
     const auto radiance = [](int depth) {
         SceneBuilder b;
         b.add(Sphere{{0, 0, 0}, 1, {}}, b.material(subsurface({1, 1, 1}, 0.1)));
-        b.scene.environment = white_sky();
+        b.scene.environment = uniform_sky();
         b.camera({0, 0, 5}, {0, 0, 0}, 5);
-        RenderSettings settings = small_picture();
+        RenderSettings settings = small_image_settings();
         settings.max_depth = depth;
         return mean_of(render_film(b.scene, settings, 32));
     };

@@ -83,7 +83,7 @@ Outcome compile_with(int threads, const SceneDescription& description)
     Warnings warnings;
     tbb::task_arena(threads).execute([&] {
         const Scene scene = Scene::compile(description, "", warnings);
-        const RenderJob job(scene, test::small_picture(side, side));
+        const RenderJob job(scene, test::small_image_settings(side, side));
         Film film(job);
         render(job, {0, 4}, film);
         outcome.pixels = film.image(false, false).layers[0].pixels;

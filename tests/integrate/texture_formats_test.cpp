@@ -99,7 +99,7 @@ TEST_P(TextureFormats, ShowTheValuesOfTheFile)
     write_image(file_, noise(false, kind.most), kind.write);
     const Image stored = read_image(file_);
     const SceneDescription scene = square(file_, kind.space);
-    const Image shown = test::render_film(scene, test::small_picture(side, side), 1).image(false, false);
+    const Image shown = test::render_film(scene, test::small_image_settings(side, side), 1).image(false, false);
     const bool decode = kind.space == ColorSpace::srgb && !stored.is_linear;
     for (std::size_t i = 0; i < stored.layers[0].pixels.size(); ++i) {
         const double v = double(stored.layers[0].pixels[i]), expected = decode ? linear_from_srgb(v) : v;
@@ -135,11 +135,11 @@ TEST_P(TextureFormats, MixTexelsAlike)
     scene.textures[0].nearest = false;
     scene.textures[0].wrap_u = Wrap::mirror;
     scene.textures[0].uv_scale = {1.7f, 2.1f};
-    const Image shown = test::render_film(scene, test::small_picture(side, side), 1).image(false, false);
+    const Image shown = test::render_film(scene, test::small_image_settings(side, side), 1).image(false, false);
     const std::filesystem::path floats = file_.string() + ".exr";
     write_image(floats, decoded, {});
     scene.images[0].path = floats;
-    const Image expected = test::render_film(scene, test::small_picture(side, side), 1).image(false, false);
+    const Image expected = test::render_film(scene, test::small_image_settings(side, side), 1).image(false, false);
     std::filesystem::remove(floats);
     int different = 0;
     for (std::size_t i = 0; i < shown.layers[0].pixels.size(); ++i) {
@@ -162,7 +162,7 @@ TEST_P(TextureAlpha, DecidesWhatIsCutAway)
     scene.materials[0].alpha = {1, 0, 3};
     scene.materials[0].alpha_cutoff = 101.0f / 255;
     scene.materials[0].base_color = {{1, 1, 1}, -1};
-    const Image shown = test::render_film(scene, test::small_picture(side, side), 1).image(false, false);
+    const Image shown = test::render_film(scene, test::small_image_settings(side, side), 1).image(false, false);
     for (std::size_t i = 0; i < std::size_t(side) * side; ++i)
         ASSERT_EQ(shown.layers[0].pixels[3 * i], stored.layers[0].pixels[4 * i + 3] >= 101.0f / 255 ? 1 : 0) << i;
 }
@@ -173,7 +173,7 @@ const auto file_of = [](const auto& test) {
     return name;
 };
 // The scene has no lights at all: nothing may be looked up in the empty light table.
-TEST(UnlitSquare, ShowsItsColourWhereThereIsNoLight)
+TEST(UnlitSquare, ShowsItsColorWithoutLights)
 {
     test::SceneBuilder b;
     Material m;
@@ -181,7 +181,7 @@ TEST(UnlitSquare, ShowsItsColourWhereThereIsNoLight)
     m.base_color.value = {0.25f, 0.5f, 1};
     b.add(Rectangle{{-2, -2, 0}, {4, 0, 0}, {0, 4, 0}}, b.material(m));
     b.camera({0, 0, 5}, {0, 0, 0}, 20);
-    const Image shown = test::render_film(b.scene, test::small_picture(8, 8), 1).image(false, false);
+    const Image shown = test::render_film(b.scene, test::small_image_settings(8, 8), 1).image(false, false);
     for (std::size_t i = 0; i < shown.layers[0].pixels.size(); ++i)
         ASSERT_EQ(shown.layers[0].pixels[i], (std::array{0.25f, 0.5f, 1.0f}[i % 3])) << i;
 }

@@ -26,7 +26,7 @@ public:
     /// n x n pixels with one sample each, anywhere in its pixel.
     std::vector<float> pixels(std::uint64_t samples = 1, int n = side)
     {
-        return render_film(scene, small_picture(n, n), samples).image(false, false).layers[0].pixels;
+        return render_film(scene, small_image_settings(n, n), samples).image(false, false).layers[0].pixels;
     }
     Color at(double x, double y)
     {
@@ -206,7 +206,7 @@ TEST_F(TextureForms, ChannelsOfRoughnessMetallicAndAlpha)
 }
 
 /// Texture color times factor, for reflection and emission.
-TEST_F(TextureForms, ColoursMultiply)
+TEST_F(TextureForms, ColorsMultiply)
 {
     for (const bool emits : {false, true}) {
         View v;
@@ -216,14 +216,14 @@ TEST_F(TextureForms, ColoursMultiply)
         (emits ? m.emission : m.base_color) = {{0.5f, 0.75f, 1}, t};
         v.add(Rectangle{{-2, -2, 0}, {4, 0, 0}, {0, 4, 0}}, v.material(m));
         v.scene.environment.kind = EnvironmentKind::constant;
-        const Mean mean = mean_of(render_film(v.scene, small_picture(8, 8), 16));
+        const Mean mean = mean_of(render_film(v.scene, small_image_settings(8, 8), 16));
         const double expected[] = {0.25, 0.1875, 0.125};
         for (int c = 0; c < 3; ++c) EXPECT_NEAR(mean.value[c], expected[c], 1e-5) << emits;
     }
 }
 
 /// Vertex colors are interpolated by barycentric coordinates.
-TEST(VertexForms, ColoursAreMixedByPlace)
+TEST(VertexForms, ColorsAreInterpolated)
 {
     for (const bool tree : {false, true}) {
         View v;
@@ -320,7 +320,7 @@ TEST_F(TextureForms, NormalMaps)
                 v.light(sun, Transform::rotate(length(axis) > 0 ? axis : Vec3d{1, 0, 0}, std::acos(to_sun.z)));
                 const double s = double(scale);
                 const Vec3d n = normalize(right * (coded.x * s) + up * (coded.y * s) + Vec3d{0, 0, 1} * coded.z);
-                expect_mean(render_film(v.scene, small_picture(4, 4), 4),
+                expect_mean(render_film(v.scene, small_image_settings(4, 4), 4),
                             2 / std::numbers::pi * std::max(0.0, dot(n, to_sun)), 1e-3);
             }
 }
@@ -445,7 +445,7 @@ TEST(AlphaForms, ShadowsAndCutoff)
             const double stopped = mode == AlphaMode::blend  ? double(alpha)
                                    : mode == AlphaMode::mask ? (alpha >= 0.8f ? 1 : 0)
                                                              : 1;
-            const Mean m = mean_of(render_film(v.scene, small_picture(16, 16), 64));
+            const Mean m = mean_of(render_film(v.scene, small_image_settings(16, 16), 64));
             EXPECT_NEAR(m.value[0], (1 - stopped) / std::numbers::pi, 4 * m.error[0] + 1e-5)
                 << alpha << " " << int(mode);
         }

@@ -7,7 +7,7 @@ namespace {
 using namespace test;
 
 /// A white unlit panel is visible directly, in a mirror and through glass, but does not illuminate the floor.
-TEST(Unlit, IsSeenAndLightsNothing)
+TEST(Unlit, IsVisibleButDoesNotIlluminate)
 {
     for (const bool quads : {true, false}) {
         const auto scene = [&](Vec3d from, Vec3d at) {
@@ -27,7 +27,7 @@ TEST(Unlit, IsSeenAndLightsNothing)
                 b.add(Sphere{{0, 1, 0}, 0.2, {}}, b.material(glass));
             }
             b.camera(from, at, 1);
-            return mean_of(render_film(b.scene, small_picture(8, 8), 64)).value[0];
+            return mean_of(render_film(b.scene, small_image_settings(8, 8), 64)).value[0];
         };
         EXPECT_NEAR(scene({0, 1, 1}, {0.5, 1, -1}), 0.75, 1e-5);
         EXPECT_EQ(scene({0, 1, 1}, {0, 0, -0.5}), 0);  // the floor is not illuminated

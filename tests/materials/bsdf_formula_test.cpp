@@ -99,7 +99,7 @@ TEST(Ggx, AlbedoTables)
 }
 
 /// Energy compensation factor for microfacets with Schlick's reflectance: Turquin 2019, equation 16.
-double made_up(double color, double albedo)
+double compensation_factor(double color, double albedo)
 {
     return 1 + color * (1 - albedo) / albedo;
 }
@@ -117,7 +117,7 @@ TEST(Metal, IsTheFormula)
                 const double colors[] = {0.9, 0.5, 0.1};
                 for (int c = 0; c < 3; ++c) {
                     const double expected = schlick(colors[c], dot3(wo, half_way(wo, wi))) *
-                                            made_up(colors[c], albedo) * ggx_f_cos(wo, wi, alpha);
+                                            compensation_factor(colors[c], albedo) * ggx_f_cos(wo, wi, alpha);
                     EXPECT_NEAR(first(e.f_cos.c[c]) / expected, 1, 1e-4);
                 }
             }
@@ -139,10 +139,11 @@ TEST(Principled, IsTheFormula)
                     const double albedo = first(ggx_albedo(z, r)),
                                  weighted = first(albedo_lookup(ggx_schlick_table, z, r));
                     const double facets = ggx_f_cos(wo, wi, roughness * roughness), h = dot3(wo, half_way(wo, wi));
-                    const double layer = (f0 * albedo + (1 - f0) * weighted) * made_up(f0, albedo);
-                    const double dielectric = schlick(f0, h) * made_up(f0, albedo) * facets +
+                    const double layer = (f0 * albedo + (1 - f0) * weighted) * compensation_factor(f0, albedo);
+                    const double dielectric = schlick(f0, h) * compensation_factor(f0, albedo) * facets +
                                               color * (1 - std::min(1.0, layer)) * wi.z / std::numbers::pi;
-                    const double metal = schlick(color, h) * made_up(color, albedo) * facets, m = double(metallic);
+                    const double metal = schlick(color, h) * compensation_factor(color, albedo) * facets,
+                                 m = double(metallic);
                     EXPECT_NEAR(first(e.f_cos.c[0]) / (m * metal + (1 - m) * dielectric), 1, 2e-4)
                         << metallic << " " << ior;
                 }

@@ -30,7 +30,7 @@ import sys
 import time
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
-PLACE = ROOT / "build" / "planted"
+BUILD_ROOT = ROOT / "build" / "planted"
 # Limits of a test: CPU time of each process, independent of load; patience and wall clock time for one that hangs.
 PROCESSOR_S, PATIENCE_S, LONGEST_S = 1800, 300, 7200
 REQUIRED = {"id", "bug", "files", "find", "replace", "targets"}
@@ -123,13 +123,13 @@ def failed_tests(text):
     return re.findall(r"^\s+\d+ - (\S+) \((?!Skipped)", text, re.M)
 
 
-class Workshop:
+class BuildCopy:
     """A copy of the sources with a build for one instruction set."""
 
     def __init__(self, isa, jobs):
         self.jobs = jobs
         # The locale C and the choice about warnings are those of scripts/setup.sh, so ccache can reuse its results.
-        self.tree, self.build = PLACE / "tree", PLACE / "tree" / "build" / isa
+        self.tree, self.build = BUILD_ROOT / "tree", BUILD_ROOT / "tree" / "build" / isa
         self.environment = {**os.environ, "LC_ALL": "C"}
         isas = "base" if isa == "base" else f"base;{isa}"
         self.run(["cmake", "-S", str(self.tree), "-B", str(self.build), "-G", "Ninja", "-DCMAKE_BUILD_TYPE=Release",
@@ -139,7 +139,7 @@ class Workshop:
 
     def run(self, command, log, must=False, limit=None, **more):
         # A process group of its own, so that ending this also ends the compilers that it started.
-        with open(PLACE / f"{self.build.name}.{log}", "w") as out, \
+        with open(BUILD_ROOT / f"{self.build.name}.{log}", "w") as out, \
                 subprocess.Popen(command, stdout=out, stderr=subprocess.STDOUT, env={**self.environment, **more},
                                  start_new_session=True, preexec_fn=limit) as process:
             try:
@@ -184,7 +184,7 @@ class Workshop:
 
     def test_numbers(self, numbers, gtest):
         """Names of the tests, given by number, that failed or were not built."""
-        place = PLACE / f"{self.build.name}.numbers"
+        place = BUILD_ROOT / f"{self.build.name}.numbers"
         place.write_text("0,0,0," + ",".join(map(str, sorted(numbers))) + "\n")  # ctest drops the last character of the file
         text, log = self.ctest(["-I", str(place)], "clean.log", gtest)
         if "No tests were found" in text or "tests" not in text:
@@ -215,7 +215,7 @@ def try_rule(rule, workshop):
             path.write_bytes(data)
 
 
-def fails_without_a_bug(rules, workshop):
+def failing_without_bug(rules, workshop):
     """Ids of rules whose tests fail without a planted bug, so their failure proves nothing."""
     built, log = workshop.compile(sorted({target for rule in rules for target in rule["targets"]}))
     if not built:
@@ -245,7 +245,7 @@ def clean_runs(rules, tests):
     return runs
 
 
-def head_seed():
+def seed_of_commit():
     """Seed derived from the commit, so that everyone draws equal rules."""
     head = subprocess.run(["git", "-C", str(ROOT), "rev-parse", "HEAD"], capture_output=True, text=True).stdout.strip()
     return int(hashlib.sha256(head.encode()).hexdigest(), 16)
@@ -268,7 +268,7 @@ def main():
             sys.exit(f"there is no rule or module {', '.join(sorted(unknown))}")
         rules = [rule for rule in rules if rule["id"] in options.only or rule["module"] in options.only]
     if options.sample is not None:
-        seed = head_seed() if options.seed is None else options.seed
+        seed = seed_of_commit() if options.seed is None else options.seed
         rules = random.Random(seed).sample(rules, min(options.sample, len(rules)))
     if options.list:
         for rule in rules:
@@ -278,12 +278,12 @@ def main():
         return check(rules)
     signal.signal(signal.SIGTERM, lambda *_: sys.exit(1))
 
-    copy_tree(PLACE / "tree")
+    copy_tree(BUILD_ROOT / "tree")
     results = {}
     for isa in sorted({rule["isa"] for rule in rules}):
-        workshop = Workshop(isa, options.jobs)
+        workshop = BuildCopy(isa, options.jobs)
         mine = [rule for rule in rules if rule["isa"] == isa]
-        failing = fails_without_a_bug(mine, workshop)
+        failing = failing_without_bug(mine, workshop)
         for rule in mine:
             start = time.monotonic()
             result, words = ("error", "its tests fail without the bug, too") if rule["id"] in failing \

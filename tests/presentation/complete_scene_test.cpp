@@ -148,7 +148,7 @@ TEST_F(CompleteScene, TurnsAboutTheSceneWithAllInView)
 }
 
 /// Geometry without extent across the view keeps the camera at a distance.
-TEST_F(CompleteScene, StandsBeforeWhatIsThin)
+TEST_F(CompleteScene, ViewsThinScenesFromTheFront)
 {
     SceneDescription scene;
     Mesh mesh;
@@ -193,7 +193,7 @@ TEST_F(CompleteScene, ForcedCameraComesFirst)
     EXPECT_EQ(scene.nodes[scene.roots.back()].camera, 0);
 }
 
-TEST_F(CompleteScene, NothingToSee)
+TEST_F(CompleteScene, EmptySceneGetsACamera)
 {
     SceneDescription empty = load("a.json", "{}");
     complete_scene(empty, {});

@@ -16,7 +16,7 @@ constexpr int across = 64;
 /// A model on the plane y = 0 and a camera that looks down at it.
 class GroundTest : public ::testing::Test {
 protected:
-    SceneDescription d = test::seen_from({0, 6, 12});
+    SceneDescription d = test::model_viewed_from({0, 6, 12});
     Warnings warnings;
 
     void add_sheet() { d.nodes[0].shapes.push_back({Rectangle{{-1, 0, 1}, {2, 0, 0}, {0, 0, -2}}, 0, ""}); }
@@ -89,7 +89,7 @@ double beside(const Vec3d& p)
 
 /// A flat model casts no shadow: the whole ground matches the backdrop, also where it fades out, and beyond it the bits
 /// are unchanged. The brightest backdrops exceed what a floor can reflect.
-TEST_F(GroundTest, LooksAsTheBackdropWhereNothingIsInTheWay)
+TEST_F(GroundTest, MatchesTheBackdropWhereUnoccluded)
 {
     add_sheet();
     d.cameras[0].position = {0, 2, 4};
@@ -133,7 +133,7 @@ TEST_F(GroundTest, CatchesTheShadow)
 }
 
 /// Twice the reflectance doubles the brightness where the ground is unobstructed.
-TEST_F(GroundTest, HasTheColourThatIsAskedFor)
+TEST_F(GroundTest, HasTheRequestedColor)
 {
     add_sheet();
     d.cameras[0].position = {0, 2, 4};
@@ -185,7 +185,7 @@ TEST_F(GroundTest, IsOnlyAddedWhereItFits)
 }
 
 /// The ground is below everything at all times of the shot, not only at the first frame.
-TEST_F(GroundTest, LiesBelowAll)
+TEST_F(GroundTest, LiesBelowAllGeometry)
 {
     add_box();
     const auto height = [&](const Ground& ground) {

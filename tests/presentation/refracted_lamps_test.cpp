@@ -14,7 +14,7 @@ namespace {
 /// A light at the origin of a large hollow sphere of plaster.
 class RefractedLampsTest : public ::testing::Test {
 protected:
-    SceneDescription d = test::seen_from({0, 0, 6});
+    SceneDescription d = test::model_viewed_from({0, 0, 6});
 
     RefractedLampsTest() { d.nodes[0].shapes.push_back({Sphere{{0, 0, 0}, -20, {}}, 0, ""}); }
     void add_lamp(LightKind kind, const Transform& place = {})
@@ -49,7 +49,7 @@ protected:
 TEST_F(RefractedLampsTest, OfEveryKindWithinGlass)
 {
     for (const LightKind kind : {LightKind::point, LightKind::spot, LightKind::beam}) {
-        d = test::seen_from({0, 0, 6});
+        d = test::model_viewed_from({0, 0, 6});
         d.nodes[0].shapes.push_back({Sphere{{0, 0, 0}, -20, {}}, 0, ""});
         add_lamp(kind);
         EXPECT_EQ(warning(), "");
@@ -77,7 +77,7 @@ TEST_F(RefractedLampsTest, SpotsShineIntoTheirCone)
 }
 
 /// A sphere of radius 1 at distance 2 covers (1 - cos 30 degrees) / 2 of all directions.
-TEST_F(RefractedLampsTest, TellsTheShareOfTheLight)
+TEST_F(RefractedLampsTest, ReportsTheFractionOfTheLight)
 {
     add_lamp(LightKind::point);
     add_ball({2, 0, 0}, 1);
@@ -96,7 +96,7 @@ TEST_F(RefractedLampsTest, DirectionsSeeTheWholeScene)
 }
 
 /// Other ways of transmission, and lights with a size, lose nothing.
-TEST_F(RefractedLampsTest, NothingIsMissing)
+TEST_F(RefractedLampsTest, NoLightIsLost)
 {
     add_lamp(LightKind::point);
     add_ball({0, 0, 0}, 1);

@@ -5,7 +5,7 @@
 namespace fathom::test {
 
 /// A model with one empty node and one material, and a camera at this position that looks at the origin.
-inline SceneDescription seen_from(Vec3d position)
+inline SceneDescription model_viewed_from(Vec3d position)
 {
     SceneDescription d;
     d.file = "model";

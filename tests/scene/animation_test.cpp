@@ -191,7 +191,7 @@ TEST_F(Player, SkinsBendAndTargetsMorph)
     }
 }
 
-TEST_F(Player, WhatNoPoseMayBringToNothing)
+TEST_F(Player, RejectsDegeneratePoses)
 {
     // All weight is on a joint that flattens everything.
     rig.animations[0].channels[0] = channel(AnimatedValue::scale, Interpolation::step, {0}, {0, 0, 0});

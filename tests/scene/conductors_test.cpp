@@ -27,7 +27,7 @@ double as_shaded(double cosine, double base, double edge)
     return schlick(cosine) - shape(cosine) / shape(1.0 / 7) * (1 - edge) * schlick(1.0 / 7);
 }
 
-TEST(Conductors, ReflectAsFresnelSays)
+TEST(Conductors, MatchFresnelEquations)
 {
     for (const auto& [eta, k] : {std::pair{0.2, 3.9}, {1.5, 0.0}, {3.1, 3.3}})
         for (int i = 0; i <= 20; ++i)
@@ -35,7 +35,7 @@ TEST(Conductors, ReflectAsFresnelSays)
 }
 
 /// Colors of each conductor come from its index, and shading deviates by at most 0.03 at any angle.
-TEST(Conductors, ColoursOfKnownOnes)
+TEST(Conductors, ColorsOfNamedMetals)
 {
     ASSERT_GE(conductors().size(), 9u);
     for (const Conductor& c : conductors()) {

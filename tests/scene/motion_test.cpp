@@ -5,18 +5,15 @@
 
 #include <cmath>
 
+#include "support/near.h"
+
 namespace fathom {
 namespace {
 
-void expect_near(Vec3d a, Vec3d b, double tolerance = 1e-9)
-{
-    EXPECT_NEAR(a.x, b.x, tolerance);
-    EXPECT_NEAR(a.y, b.y, tolerance);
-    EXPECT_NEAR(a.z, b.z, tolerance);
-}
+using test::expect_near;
 
 /// Rotation, scale and translation are interpolated separately and composed in that order.
-TEST(NodeMotion, PartsGoTheirOwnWays)
+TEST(NodeMotion, PartsMoveIndependently)
 {
     Node node;
     const Vec3d axis{1, -2, 0.5};
@@ -27,16 +24,16 @@ TEST(NodeMotion, PartsGoTheirOwnWays)
         const Transform expected = Transform::translate({1 + 4 * f, 2 - 2 * f, 3}) *
                                    Transform::rotate(axis, 0.5 + 2 * f) * Transform::scale({1 + 2 * f, 2, 3 - 2 * f});
         for (const Vec3d& p : {Vec3d{0, 0, 0}, {1, 2, 3}, {-1, 0.5, 0}})
-            expect_near(transform_at(node, 1 + 2 * f).point(p), expected.point(p));
+            expect_near(transform_at(node, 1 + 2 * f).point(p), expected.point(p), 1e-9);
     }
-    expect_near(transform_at(node, 0).point({1, 1, 1}), node.motion[0].parent_from_node.point({1, 1, 1}));
-    expect_near(transform_at(node, 3).point({1, 1, 1}), node.motion[1].parent_from_node.point({1, 1, 1}));
-    expect_near(transform_at(node, 9).point({1, 1, 1}), {6, 1, 10});
+    expect_near(transform_at(node, 0).point({1, 1, 1}), node.motion[0].parent_from_node.point({1, 1, 1}), 1e-9);
+    expect_near(transform_at(node, 3).point({1, 1, 1}), node.motion[1].parent_from_node.point({1, 1, 1}), 1e-9);
+    expect_near(transform_at(node, 9).point({1, 1, 1}), {6, 1, 10}, 1e-9);
     // The rest transform is ignored while keys exist.
     node.parent_from_node = Transform::scale({7, 7, 7});
-    expect_near(transform_at(node, 9).point({1, 1, 1}), {6, 1, 10});
+    expect_near(transform_at(node, 9).point({1, 1, 1}), {6, 1, 10}, 1e-9);
     node.motion.clear();
-    expect_near(transform_at(node, 9).point({1, 1, 1}), {7, 7, 7});
+    expect_near(transform_at(node, 9).point({1, 1, 1}), {7, 7, 7}, 1e-9);
 }
 
 TEST(MeshMotion, VerticesGoStraightBetweenTheirKeys)

@@ -20,7 +20,7 @@ std::string difference(const SceneDescription& now)
     return scene_digest_difference(scene_digest(made_scene()), scene_digest(now));
 }
 
-TEST(SceneParts, TellWhatDiffers)
+TEST(SceneDigest, NamesTheDifferences)
 {
     EXPECT_EQ(difference(made_scene()), "");
     SceneDescription now = made_scene();
@@ -40,7 +40,7 @@ TEST(SceneParts, TellWhatDiffers)
     EXPECT_EQ(difference(now), "environment: kind");
 }
 
-TEST(SceneParts, ListIsShort)
+TEST(SceneDigest, ListIsShort)
 {
     SceneDescription now = made_scene();
     for (int i = 0; i < 10; ++i) now.materials.emplace_back().name = std::to_string(i);
@@ -49,7 +49,7 @@ TEST(SceneParts, ListIsShort)
 }
 
 /// A texture with another index because of its position in the list is still equal.
-TEST(SceneParts, NamesCountNotIndices)
+TEST(SceneDigest, NamesCountNotIndices)
 {
     SceneDescription before = made_scene(), now = made_scene();
     before.materials[0].base_color.texture = 0;

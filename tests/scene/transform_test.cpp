@@ -5,16 +5,12 @@
 #include <numbers>
 
 #include "fathom/load.h"
+#include "support/near.h"
 
 namespace fathom {
 namespace {
 
-void expect_near(Vec3d a, Vec3d b, double tolerance = 1e-12)
-{
-    EXPECT_NEAR(a.x, b.x, tolerance);
-    EXPECT_NEAR(a.y, b.y, tolerance);
-    EXPECT_NEAR(a.z, b.z, tolerance);
-}
+using test::expect_near;
 
 const Vec3d points[] = {{0, 0, 0}, {1, 2, 3}, {-4, 0.5, 2}};
 

@@ -16,7 +16,7 @@ struct List {
 };
 
 /// Parts are added once and in order, because the bits of a float sum depend on it.
-TEST(SumOfGroups, AddsPartsInOrder)
+TEST(DeterministicReduce, AddsPartsInOrder)
 {
     for (std::size_t parts : {0u, 1u, 7u, 8u, 9u, 100u}) {
         std::vector<std::size_t> all(parts);
@@ -29,7 +29,7 @@ TEST(SumOfGroups, AddsPartsInOrder)
 
 /// Groups are summed separately: small numbers of one group vanish in a large number of another only at the end, for
 /// any number of threads.
-TEST(SumOfGroups, AddsGroupsEachForItself)
+TEST(DeterministicReduce, AddsGroupsEachForItself)
 {
     struct Sum {
         float value = 0;

@@ -36,8 +36,8 @@ GuidingRecords part_of(const std::vector<std::vector<GuidingRecord>>& paths)
 }
 
 /// Statistics of the paths of one part.
-PathStatistics met_of(const GuidingRecords& part, const double* squares, std::size_t samples, double vertices,
-                      double variance)
+PathStatistics path_statistics(const GuidingRecords& part, const double* squares, std::size_t samples, double vertices,
+                               double variance)
 {
     PathStatistics met;
     met.parts = {{&part, squares}};
@@ -47,7 +47,7 @@ PathStatistics met_of(const GuidingRecords& part, const double* squares, std::si
 }
 
 /// Two paths for each of two pixels; the second pixel is a quarter as bright.
-TEST(LightNeeds, GoByWhatSamplesBringBesideTheirPixels)
+TEST(NeeFactors, CompareContributionsWithPixels)
 {
     const GuidingRecords first = part_of({{surface(0.5f, 2), surface(1.5f, 0)}, {surface(0.2f, 4)}, {}}),
                          second = part_of({{surface(1.9f, 1)}});
@@ -68,7 +68,7 @@ TEST(LightNeeds, GoByWhatSamplesBringBesideTheirPixels)
 }
 
 /// With many samples only the cell counts: the root of the squared contribution over the variance of paths.
-TEST(LightNeeds, AreThoseOfTheirCube)
+TEST(NeeFactors, AreLookedUpByCube)
 {
     const std::size_t paths = 200'000;
     std::vector<std::vector<GuidingRecord>> bright(paths, {surface(0.5f, 0.4f)}), dark(paths, {surface(1.5f, 0.01f)});
@@ -85,7 +85,7 @@ TEST(LightNeeds, AreThoseOfTheirCube)
 }
 
 /// Many parts are distributed over threads; each path stays with its own pixel.
-TEST(LightNeeds, KeepPathsBesideTheirPixels)
+TEST(NeeFactors, CompareSurvivalWithPixels)
 {
     std::vector<GuidingRecords> parts(37);
     std::vector<double> squares(parts.size());
@@ -105,12 +105,12 @@ TEST(LightNeeds, KeepPathsBesideTheirPixels)
 }
 
 /// Records without information give finite factors.
-TEST(LightNeeds, AreFinite)
+TEST(NeeFactors, AreFinite)
 {
     const GuidingRecords some = part_of({{surface(0.5f, 1)}}), none = part_of({{}});
     const auto need = [](const GuidingRecords& part, double square, double variance) {
         GuidingTables t = row_of_cubes(1);
-        set_nee_factors(met_of(part, &square, 1, 1, variance), t);
+        set_nee_factors(path_statistics(part, &square, 1, 1, variance), t);
         return t.nee_factors[0];
     };
     EXPECT_FLOAT_EQ(need(some, 1, 4), 1.5f);
@@ -121,12 +121,12 @@ TEST(LightNeeds, AreFinite)
 }
 
 /// Relative to a sample's contribution: depends on the brightness of the pixels that see the cell.
-TEST(ShadowNeeds, GoByTheBrightnessOfThePixels)
+TEST(ShadowRayFactors, CompareShadowRaysWithPixels)
 {
     const GuidingRecords part = part_of({{surface(0.5f, 2), surface(1.5f, 0)}, {surface(0.2f, 4), surface(0.1f, 0)}});
     const double squares[] = {4, 0.25};
     GuidingTables t = row_of_cubes(3);
-    set_shadow_ray_factors(met_of(part, squares, 1, 3, 2), t);
+    set_shadow_ray_factors(path_statistics(part, squares, 1, 3, 2), t);
     // 1 / 4 + 2 * 4 in the first cell, 1 / 4 in the second; the mean 8.5 / 4 has the weight of 32 samples. A shadow ray
     // costs a fifth of a vertex, and a quarter are assumed unoccluded: 0.25 * 3 / (2 * 0.2) = 1.875.
     ASSERT_EQ(t.shadow_ray_factors.size(), 3u);
@@ -136,7 +136,7 @@ TEST(ShadowNeeds, GoByTheBrightnessOfThePixels)
 }
 
 /// A surface at which the path continued.
-GuidingRecord passed(float x, std::uint16_t side, float value)
+GuidingRecord continued_surface(float x, std::uint16_t side, float value)
 {
     return {{x, 0.5f, 0.5f}, side, 0, value, 0};
 }
@@ -153,16 +153,17 @@ GuidingTables row_of_regions(std::uint32_t count)
 }
 
 /// Values are radiance times pi; a path's contribution counts relative to its pixel and per later vertex.
-TEST(PathNeeds, GoByWhatPathsBringForWhatTheyTake)
+TEST(SurvivalFactors, WeighContributionByCost)
 {
     constexpr float pi = 3.14159265f;
     // The last surfaces of two paths have no continuation; other sides and cells without data are ignored.
-    const GuidingRecords part = part_of({{passed(0.5f, 0, 2 * pi), surface(2.5f, 9), surface(2.5f, 9)},
-                                         {passed(0.5f, 0, 6 * pi)},
-                                         {passed(0.5f, 3, 50 * pi), passed(2.5f, 0, 1 * pi), surface(0.5f, 9)}});
+    const GuidingRecords part =
+        part_of({{continued_surface(0.5f, 0, 2 * pi), surface(2.5f, 9), surface(2.5f, 9)},
+                 {continued_surface(0.5f, 0, 6 * pi)},
+                 {continued_surface(0.5f, 3, 50 * pi), continued_surface(2.5f, 0, 1 * pi), surface(0.5f, 9)}});
     const double squares[] = {4, 9, 0.25};
     GuidingTables t = row_of_regions(4);
-    set_survival_factors(met_of(part, squares, 1, 3.5, 8), t);
+    set_survival_factors(path_statistics(part, squares, 1, 3.5, 8), t);
     ASSERT_EQ(t.survival_factors.size(), 4u);
     // Squared contribution over squared brightness: 4 / 4 + 36 / 9 = 5 for 2.5 + 0.5 vertices; a whole path costs 3.5 +
     // 0.5.
@@ -174,31 +175,33 @@ TEST(PathNeeds, GoByWhatPathsBringForWhatTheyTake)
 }
 
 /// Cells of a block share half of their statistics, record by record.
-TEST(PathNeeds, AreShared)
+TEST(SurvivalFactors, AreShared)
 {
     constexpr float pi = 3.14159265f;
-    const GuidingRecords part = part_of(
-        {{passed(0.5f, 0, 2 * pi)}, {passed(0.5f, 0, 2 * pi)}, {passed(0.5f, 0, 2 * pi)}, {passed(1.5f, 0, 0)}});
+    const GuidingRecords part = part_of({{continued_surface(0.5f, 0, 2 * pi)},
+                                         {continued_surface(0.5f, 0, 2 * pi)},
+                                         {continued_surface(0.5f, 0, 2 * pi)},
+                                         {continued_surface(1.5f, 0, 0)}});
     const double squares[] = {1};
     GuidingTables t = row_of_regions(2);
-    set_survival_factors(met_of(part, squares, 4, 0.5, 1), t);
+    set_survival_factors(path_statistics(part, squares, 4, 0.5, 1), t);
     // All four have a mean square of 3 for half a vertex each, while a path costs one vertex.
     EXPECT_FLOAT_EQ(t.survival_factors[0], float(0.7 * std::sqrt((0.5 * 4 + 0.5 * 3) / 0.5)));
     EXPECT_FLOAT_EQ(t.survival_factors[1], float(0.7 * std::sqrt(0.5 * 3 / 0.5)));
 }
 
 /// Values above the limit for a single record don't dominate, and records without information give finite factors.
-TEST(PathNeeds, AreFinite)
+TEST(SurvivalFactors, AreFinite)
 {
     constexpr float pi = 3.14159265f;
-    std::vector<std::vector<GuidingRecord>> paths(999, {passed(0.5f, 0, pi)});
-    paths.push_back({passed(0.5f, 0, 1e8f * pi)});
-    const GuidingRecords bright = part_of(paths), dark = part_of({{passed(0.5f, 0, 0)}});
+    std::vector<std::vector<GuidingRecord>> paths(999, {continued_surface(0.5f, 0, pi)});
+    paths.push_back({continued_surface(0.5f, 0, 1e8f * pi)});
+    const GuidingRecords bright = part_of(paths), dark = part_of({{continued_surface(0.5f, 0, 0)}});
     const double most = 200 * (999 + 1e8) / 1000;
     const auto need = [&](const GuidingRecords& part, double square, double variance) {
         GuidingTables t = row_of_regions(1);
         t.max_value = most * pi;
-        set_survival_factors(met_of(part, &square, part.counts.size(), 0.5, variance), t);
+        set_survival_factors(path_statistics(part, &square, part.counts.size(), 0.5, variance), t);
         return t.survival_factors[0];
     };
     EXPECT_NEAR(need(bright, 1, 1) / (0.7 * std::sqrt((999 + most * most) / 500)), 1, 1e-4);

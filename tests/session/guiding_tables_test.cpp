@@ -20,7 +20,7 @@ GuidingRecords row_of_surfaces(int count)
 }
 
 /// Probability of a bin in the region of side 0 of a cell.
-float share_of(const GuidingTables& t, std::uint32_t cube, std::uint32_t bin)
+float bin_probability(const GuidingTables& t, std::uint32_t cube, std::uint32_t bin)
 {
     const std::uint32_t region = t.regions[std::size_t(cube) * guiding_sides];
     if (region == no_index) return -1;
@@ -42,12 +42,12 @@ TEST(GuidingTables, RegionsShareWithTheirBlock)
     ASSERT_EQ(t->cells[0], cubes->cells[0]);
     // A bin gives a tenth to each of its four neighbors; a twentieth of the whole is uniform.
     constexpr float kept = 0.95f / 1.4f, even = 0.05f / (guiding_bins / 2);
-    EXPECT_NEAR(share_of(*t, 0, usual_bin), 0.75f * kept + even, 0.01f);
-    EXPECT_NEAR(share_of(*t, 0, other_bin), 0.25f * kept + even, 0.01f);
-    EXPECT_NEAR(share_of(*t, 1, other_bin), 0.75f * kept + even, 0.01f);
-    EXPECT_NEAR(share_of(*t, 1, usual_bin), 0.25f * kept + even, 0.01f);
-    EXPECT_NEAR(share_of(*t, 2, usual_bin), kept + even, 1e-4f);
-    EXPECT_NEAR(share_of(*t, 2, other_bin), even, 1e-4f);
+    EXPECT_NEAR(bin_probability(*t, 0, usual_bin), 0.75f * kept + even, 0.01f);
+    EXPECT_NEAR(bin_probability(*t, 0, other_bin), 0.25f * kept + even, 0.01f);
+    EXPECT_NEAR(bin_probability(*t, 1, other_bin), 0.75f * kept + even, 0.01f);
+    EXPECT_NEAR(bin_probability(*t, 1, usual_bin), 0.25f * kept + even, 0.01f);
+    EXPECT_NEAR(bin_probability(*t, 2, usual_bin), kept + even, 1e-4f);
+    EXPECT_NEAR(bin_probability(*t, 2, other_bin), even, 1e-4f);
     // Values are limited to 200 times their mean.
     EXPECT_DOUBLE_EQ(t->max_value, 200);
 }

@@ -7,7 +7,7 @@ namespace fathom {
 namespace {
 
 /// The variance of evenly spread groups is that of their means, not of the samples in them.
-TEST(PathNoise, SpreadsOfPixels)
+TEST(VarianceEstimate, VariancesOfPixels)
 {
     // Means of 2, 2, 3 and 5, 2, 1.
     const std::vector<PixelVariance> pairs = pixel_variances({{1, 3, 2, 2, 0, 6}, {4, 6, 0, 4, 1, 1}}, 2);
@@ -24,7 +24,7 @@ TEST(PathNoise, SpreadsOfPixels)
 }
 
 /// A pixel's brightness is averaged over up to sixteen neighbors on either side, plus a part of the image's mean.
-TEST(PathNoise, BrightnessIsThatOfNeighbours)
+TEST(VarianceEstimate, BrightnessIsAveragedOverNeighbors)
 {
     std::vector<PixelVariance> pixels(40);
     pixels[20].mean = 33;
@@ -42,7 +42,7 @@ TEST(PathNoise, BrightnessIsThatOfNeighbours)
 }
 
 /// The largest of a thousand numbers is ignored.
-TEST(PathNoise, MeanWithoutOutliers)
+TEST(VarianceEstimate, MeanWithoutOutliers)
 {
     EXPECT_EQ(mean_without_outliers({3}), 3);
     EXPECT_DOUBLE_EQ(mean_without_outliers({1, 6, 2}), 3);

@@ -59,7 +59,7 @@ JobPlan parse_plan(const ordered_json& json)
     plan.program = json.at("program");
     plan.scene = std::string(json.at("scene"));
     json.at("render_options").get_to(plan.render_options);
-    json.at("picture_options").get_to(plan.merge_options);
+    json.at("image_options").get_to(plan.merge_options);
     for (const ordered_json& output : json.at("outputs")) plan.outputs.emplace_back(std::string(output));
     plan.parts = read_count(json, "parts");
     plan.samples = read_count(json, "samples");
@@ -111,7 +111,7 @@ void JobPlan::write() const
     json["program"] = program;
     json["scene"] = scene.string();
     json["render_options"] = render_options;
-    json["picture_options"] = merge_options;
+    json["image_options"] = merge_options;
     json["outputs"] = to_strings(outputs);
     json["parts"] = parts;
     json["samples"] = samples;

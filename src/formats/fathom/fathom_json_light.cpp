@@ -49,6 +49,80 @@ bool FathomJsonReader::read_picture(JsonObject& o, Light& light)
     return true;
 }
 
+namespace {
+
+/// Factor from the unit of `intensity` in the file to the description's: lx for parallel light, else cd or lm.
+double read_light_unit(const JsonValue& v, JsonObject& o, Light& light)
+{
+    double unit = 1;
+    if (light.kind == LightKind::directional || light.kind == LightKind::beam) {
+        o.read_enum("unit", Units{{"lx", 1}, {"W/m2", lumens_per_watt}}, unit);
+        return unit;
+    }
+    // Power refers to the whole sphere, also for spots: the cone only blocks light.
+    const bool may_be_flux = light.kind == LightKind::projector || light.kind == LightKind::goniometric;
+    const double sphere = may_be_flux ? 1 : 4 * std::numbers::pi;
+    o.read_enum("unit",
+                Units{{"cd", 1}, {"lm", 1 / sphere}, {"W/sr", lumens_per_watt}, {"W", lumens_per_watt / sphere}}, unit);
+    // With an image, the light's distribution is normalized to the given flux.
+    if (may_be_flux && v.has("unit")) light.intensity_is_flux = v["unit"].string() == "lm" || v["unit"].string() == "W";
+    return unit;
+}
+
+void read_light_intensity(const JsonValue& v, JsonObject& o, Light& light)
+{
+    Color color{1, 1, 1};
+    o.read("color", color);
+    double intensity = 1;
+    o.read("intensity", intensity);
+    if (intensity < 0) v["intensity"].fail("must not be negative");
+    const double factor = intensity * read_light_unit(v, o, light);
+    light.intensity = {float(color.r * factor), float(color.g * factor), float(color.b * factor)};
+}
+
+void read_spot(const JsonValue& v, JsonObject& o, Light& light)
+{
+    if (auto angle = o.get("inner_angle_deg")) light.inner_angle = read_angle(*angle, 90);
+    if (auto angle = o.get("outer_angle_deg")) light.outer_angle = read_angle(*angle, 90);
+    o.read_word("falloff", words::spot_falloffs, light.falloff);
+    if (light.inner_angle > light.outer_angle || light.outer_angle == 0)
+        v.fail("'outer_angle_deg' must be greater than 0 and not less than 'inner_angle_deg'");
+}
+
+void read_projector(const JsonValue& v, JsonObject& o, Light& light)
+{
+    if (auto angle = o.get("fov_deg")) light.fov = read_angle(*angle, 180);
+    if (light.fov <= 0 || light.fov >= std::numbers::pi) v["fov_deg"].fail("must be above 0 and below 180");
+    o.read_word("fov_axis", words::fov_axes, light.fov_axis);
+    o.read("flat_field", light.flat_field);
+}
+
+void read_beam(const JsonValue& v, JsonObject& o, Light& light)
+{
+    for (const auto& [key, side] : {std::pair{"width", &light.width}, {"height", &light.height}}) {
+        o.read(key, *side);
+        if (!(*side > 0)) v[key].fail("must be above 0");
+    }
+    o.read("round", light.round);
+}
+
+/// The light's rotation, from its direction and, if it `has_up`, the direction that is up in its image.
+Transform read_light_rotation(const JsonValue& v, JsonObject& o, bool has_up)
+{
+    Vec3d direction{0, 0, -1};
+    o.read("direction", direction);
+    if (length(direction) == 0) v["direction"].fail("must not have zero length");
+    std::optional<Vec3d> up;
+    if (has_up && v.has("up")) {
+        o.read("up", up.emplace());
+        if (length(cross(*up, direction)) <= 1e-9 * length(*up) * length(direction))
+            v["up"].fail("must not have zero length or be parallel to 'direction'");
+    }
+    return light_rotation(direction, up);
+}
+
+}  // namespace
+
 FathomJsonReader::Placed FathomJsonReader::add_light(const JsonValue& v, const std::string& name)
 {
     Light light;
@@ -59,26 +133,7 @@ FathomJsonReader::Placed FathomJsonReader::add_light(const JsonValue& v, const s
     if (!v.has("kind"))
         v.fail("key 'kind' is missing: expected point, spot, directional, projector, goniometric or beam");
     o.read_word("kind", words::light_kinds, light.kind);
-    Color color{1, 1, 1};
-    o.read("color", color);
-    double intensity = 1, unit = 1;
-    o.read("intensity", intensity);
-    if (intensity < 0) v["intensity"].fail("must not be negative");
-
-    const bool is_parallel = light.kind == LightKind::directional || light.kind == LightKind::beam;
-    if (is_parallel) {
-        o.read_enum("unit", Units{{"lx", 1}, {"W/m2", lumens_per_watt}}, unit);
-    } else {
-        // Power refers to the whole sphere, also for spots: the cone only blocks light.
-        const bool may_be_flux = light.kind == LightKind::projector || light.kind == LightKind::goniometric;
-        const double sphere = may_be_flux ? 1 : 4 * std::numbers::pi;
-        o.read_enum("unit",
-                    Units{{"cd", 1}, {"lm", 1 / sphere}, {"W/sr", lumens_per_watt}, {"W", lumens_per_watt / sphere}},
-                    unit);
-        // With an image, the light's distribution is normalized to the given flux.
-        if (may_be_flux && v.has("unit"))
-            light.intensity_is_flux = v["unit"].string() == "lm" || v["unit"].string() == "W";
-    }
+    read_light_intensity(v, o, light);
     if (light.kind == LightKind::directional) {
         if (auto angle = o.get("angle_deg")) light.angle = read_angle(*angle, 180);
     } else {
@@ -86,42 +141,12 @@ FathomJsonReader::Placed FathomJsonReader::add_light(const JsonValue& v, const s
         o.read("position", position);
         placed.place = Transform::translate(position);
     }
-    if (light.kind == LightKind::spot) {
-        if (auto angle = o.get("inner_angle_deg")) light.inner_angle = read_angle(*angle, 90);
-        if (auto angle = o.get("outer_angle_deg")) light.outer_angle = read_angle(*angle, 90);
-        o.read_word("falloff", words::spot_falloffs, light.falloff);
-        if (light.inner_angle > light.outer_angle || light.outer_angle == 0)
-            v.fail("'outer_angle_deg' must be greater than 0 and not less than 'inner_angle_deg'");
-    }
-    if (light.kind == LightKind::projector) {
-        if (auto angle = o.get("fov_deg")) light.fov = read_angle(*angle, 180);
-        if (light.fov <= 0 || light.fov >= std::numbers::pi) v["fov_deg"].fail("must be above 0 and below 180");
-        o.read_word("fov_axis", words::fov_axes, light.fov_axis);
-        o.read("flat_field", light.flat_field);
-    }
-    if (light.kind == LightKind::beam) {
-        for (const auto& [key, side] : {std::pair{"width", &light.width}, {"height", &light.height}}) {
-            o.read(key, *side);
-            if (!(*side > 0)) v[key].fail("must be above 0");
-        }
-        o.read("round", light.round);
-    }
+    if (light.kind == LightKind::spot) read_spot(v, o, light);
+    if (light.kind == LightKind::projector) read_projector(v, o, light);
+    if (light.kind == LightKind::beam) read_beam(v, o, light);
     const bool has_up = read_picture(o, light) || light.kind == LightKind::beam;
-    if (light.kind != LightKind::point) {
-        Vec3d direction{0, 0, -1};
-        o.read("direction", direction);
-        if (length(direction) == 0) v["direction"].fail("must not have zero length");
-        std::optional<Vec3d> up;
-        if (has_up && v.has("up")) {
-            o.read("up", up.emplace());
-            if (length(cross(*up, direction)) <= 1e-9 * length(*up) * length(direction))
-                v["up"].fail("must not have zero length or be parallel to 'direction'");
-        }
-        placed.place = placed.place * light_rotation(direction, up);
-    }
+    if (light.kind != LightKind::point) placed.place = placed.place * read_light_rotation(v, o, has_up);
     o.done(fmt::format("in a light of kind '{}'", v["kind"].string()));
-    const double factor = intensity * unit;
-    light.intensity = {float(color.r * factor), float(color.g * factor), float(color.b * factor)};
 
     placed.index = int(scene_.lights.size());
     scene_.lights.push_back(light);

@@ -45,6 +45,13 @@ double read_number(const JsonValue& v, const P& p)
     return value * p.unit;
 }
 
+/// Index of a word in the parameter's list.
+template <class P>
+std::size_t read_enumerator(const JsonValue& v, const P& p)
+{
+    return JsonObject::find_word(v, {p.words.begin(), p.words.end()});
+}
+
 }  // namespace
 
 int FathomJsonReader::image(const JsonValue& v)
@@ -139,55 +146,51 @@ void FathomJsonReader::read_parameters(JsonObject& o, std::span<const Parameter<
         if (!v) continue;
         const auto read = [&](auto member) {
             using Member = decltype(member);
-            const auto enumerator = [&](auto& out) {
-                std::vector<std::string> words(p.words.begin(), p.words.end());
-                out = std::decay_t<decltype(out)>(JsonObject::find_word(*v, words));
-            };
-            if constexpr (std::is_same_v<Member, TextureReference<Owner>>) {
+            if constexpr (std::is_same_v<Member, TextureReference<Owner>>)
                 owner.*member.index = texture(*v, use.value_or(Use::data));
-            } else if constexpr (std::is_same_v<Member, ImageReference<Owner>>) {
+            else if constexpr (std::is_same_v<Member, ImageReference<Owner>>)
                 owner.*member.index = image(*v);
-            } else if constexpr (std::is_same_v<Member, MeasuredReference<Owner>>) {
+            else if constexpr (std::is_same_v<Member, MeasuredReference<Owner>>)
                 owner.*member.index = measured(*v);
-            } else if constexpr (std::is_same_v<Member, MaterialReference<Owner>>) {
+            else if constexpr (std::is_same_v<Member, MaterialReference<Owner>>)
                 owner.*member.index = material(*v);
-            } else {
-                auto& out = owner.*member;
-                using T = std::decay_t<decltype(out)>;
-                if constexpr (std::is_same_v<T, ColorInput>) {
-                    read_color(*v, use.value_or(Use::color), out);
-                    check_most(*v, out.value, p.most, p.excess);
-                } else if constexpr (std::is_same_v<T, FloatInput>) {
-                    read_float(*v, use.value_or(Use::data), out);
-                    check_range(*v, out.value, p.least, p.most);
-                } else if constexpr (std::is_same_v<T, Color>) {
-                    out = v->color();
-                    check_most(*v, out, p.most, p.excess);
-                } else if constexpr (std::is_same_v<T, Vec2f>) {
-                    out = v->vec2f();
-                } else if constexpr (std::is_same_v<T, Vec3d>) {
-                    out = v->vec3d();
-                } else if constexpr (std::is_same_v<T, Transform>) {
-                    out = transform(*v);
-                } else if constexpr (std::is_same_v<T, bool>) {
-                    if (p.words.empty())
-                        out = v->boolean();
-                    else
-                        enumerator(out);
-                } else if constexpr (std::is_enum_v<T>) {
-                    enumerator(out);
-                } else if constexpr (std::is_same_v<T, std::vector<RampStop>>) {
-                    out = read_stops(*v);
-                } else if constexpr (std::is_same_v<T, int>) {
-                    out = v->integer();
-                    check_range(*v, out, p.least, p.most);
-                } else {
-                    if constexpr (std::is_same_v<T, float>) v->single();  // checks the range of float
-                    out = T(read_number(*v, p));
-                }
-            }
+            else
+                read_value(*v, p, use, owner.*member);
         };
         std::visit(read, p.member);
+    }
+}
+
+template <class Owner, class T>
+void FathomJsonReader::read_value(const JsonValue& v, const Parameter<Owner>& p, std::optional<Use> use, T& out)
+{
+    if constexpr (std::is_same_v<T, ColorInput>) {
+        read_color(v, use.value_or(Use::color), out);
+        check_most(v, out.value, p.most, p.excess);
+    } else if constexpr (std::is_same_v<T, FloatInput>) {
+        read_float(v, use.value_or(Use::data), out);
+        check_range(v, out.value, p.least, p.most);
+    } else if constexpr (std::is_same_v<T, Color>) {
+        out = v.color();
+        check_most(v, out, p.most, p.excess);
+    } else if constexpr (std::is_same_v<T, Vec2f>) {
+        out = v.vec2f();
+    } else if constexpr (std::is_same_v<T, Vec3d>) {
+        out = v.vec3d();
+    } else if constexpr (std::is_same_v<T, Transform>) {
+        out = transform(v);
+    } else if constexpr (std::is_same_v<T, bool>) {
+        out = p.words.empty() ? v.boolean() : read_enumerator(v, p) != 0;
+    } else if constexpr (std::is_enum_v<T>) {
+        out = T(read_enumerator(v, p));
+    } else if constexpr (std::is_same_v<T, std::vector<RampStop>>) {
+        out = read_stops(v);
+    } else if constexpr (std::is_same_v<T, int>) {
+        out = v.integer();
+        check_range(v, out, p.least, p.most);
+    } else {
+        if constexpr (std::is_same_v<T, float>) v.single();  // checks the range of float
+        out = T(read_number(v, p));
     }
 }
 

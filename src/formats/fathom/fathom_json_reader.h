@@ -82,6 +82,8 @@ private:
     template <class Owner>
     void read_parameters(JsonObject& o, std::span<const Parameter<Owner>> parameters, std::uint32_t kind,
                          std::optional<Use> use, Owner& owner);
+    template <class Owner, class T>
+    void read_value(const JsonValue& v, const Parameter<Owner>& p, std::optional<Use> use, T& out);
     void read_color(const JsonValue& v, Use use, ColorInput& out);
     void read_float(const JsonValue& v, Use use, FloatInput& out);
     static std::vector<RampStop> read_stops(const JsonValue& v);

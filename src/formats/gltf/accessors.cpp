@@ -50,36 +50,44 @@ T load(const char* p)
     return value;
 }
 
+/// Position of components in an element of the file.
+struct ElementLayout {
+    int columns, rows;
+    std::size_t column_stride;  ///< bytes
+};
+
+template <class T, bool normalized>
+float to_unit_float(T stored)
+{
+    const auto value = float(stored);
+    if constexpr (normalized) return std::max(value / float(std::numeric_limits<T>::max()), -1.0f);
+    return value;
+}
+
 /// Converts elements; the type is a template parameter to keep the loop free of branches.
 template <class T, bool normalized>
-void convert_elements(const char* data, std::size_t stride, std::size_t count, int columns, int rows,
-                      std::size_t column_stride, int to_components, float fill, float* out)
+void convert_elements(const char* data, std::size_t stride, std::size_t count, ElementLayout layout, FloatElements to)
 {
-    const int have = std::min(columns * rows, to_components);
-    for (std::size_t i = 0; i < count; ++i, data += stride, out += to_components) {
+    const int have = std::min(layout.columns * layout.rows, to.components);
+    for (std::size_t i = 0; i < count; ++i, data += stride, to.values += to.components) {
         for (int k = 0; k < have; ++k) {
-            const char* p = data + std::size_t(k / rows) * column_stride + std::size_t(k % rows) * sizeof(T);
-            float value = float(load<T>(p));
-            if constexpr (normalized) value = std::max(value / float(std::numeric_limits<T>::max()), -1.0f);
-            out[k] = value;
+            const char* p =
+                data + std::size_t(k / layout.rows) * layout.column_stride + std::size_t(k % layout.rows) * sizeof(T);
+            to.values[k] = to_unit_float<T, normalized>(load<T>(p));
         }
-        for (int k = have; k < to_components; ++k) out[k] = fill;
+        for (int k = have; k < to.components; ++k) to.values[k] = to.fill;
     }
 }
 
 /// Specialization for vectors, whose components are adjacent: the common case, unrolled.
 template <class T, bool normalized, int have>
-void convert_vectors(const char* data, std::size_t stride, std::size_t count, int to_components, float fill, float* out)
+void convert_vectors(const char* data, std::size_t stride, std::size_t count, FloatElements to)
 {
-    for (std::size_t i = 0; i < count; ++i, data += stride, out += to_components) {
+    for (std::size_t i = 0; i < count; ++i, data += stride, to.values += to.components) {
         T values[have];
         std::memcpy(values, data, sizeof values);
-        for (int k = 0; k < have; ++k) {
-            float value = float(values[k]);
-            if constexpr (normalized) value = std::max(value / float(std::numeric_limits<T>::max()), -1.0f);
-            out[k] = value;
-        }
-        for (int k = have; k < to_components; ++k) out[k] = fill;
+        for (int k = 0; k < have; ++k) to.values[k] = to_unit_float<T, normalized>(values[k]);
+        for (int k = have; k < to.components; ++k) to.values[k] = to.fill;
     }
 }
 
@@ -182,37 +190,34 @@ void Accessor::read_sparse(GltfFile& file, const JsonValue& v)
     }
 }
 
-void Accessor::convert(Source source, std::size_t first, std::size_t count, int to_components, float fill,
-                       float* out) const
+void Accessor::convert(Source source, std::size_t first, std::size_t count, FloatElements to) const
 {
     if (!source.data) {
-        const int have = std::min(components(), to_components);
-        for (std::size_t i = 0; i < count; ++i, out += to_components) {
-            std::fill(out, out + have, 0.0f);
-            std::fill(out + have, out + to_components, fill);
+        const int have = std::min(components(), to.components);
+        for (std::size_t i = 0; i < count; ++i, to.values += to.components) {
+            std::fill(to.values, to.values + have, 0.0f);
+            std::fill(to.values + have, to.values + to.components, to.fill);
         }
         return;
     }
     const char* data = source.data + first * source.stride;
-    if (component_type_ == f32 && columns_ == 1 && rows_ == to_components && source.stride == element_size_) {
-        std::memcpy(out, data, count * element_size_);
+    if (component_type_ == f32 && columns_ == 1 && rows_ == to.components && source.stride == element_size_) {
+        std::memcpy(to.values, data, count * element_size_);
         return;
     }
     const auto run = [&]<class T, bool normalized>() {
-        if (columns_ == 1 && rows_ <= to_components) {
-            switch (rows_) {
-                case 1:
-                    return convert_vectors<T, normalized, 1>(data, source.stride, count, to_components, fill, out);
-                case 2:
-                    return convert_vectors<T, normalized, 2>(data, source.stride, count, to_components, fill, out);
-                case 3:
-                    return convert_vectors<T, normalized, 3>(data, source.stride, count, to_components, fill, out);
-                default:
-                    return convert_vectors<T, normalized, 4>(data, source.stride, count, to_components, fill, out);
-            }
+        if (columns_ != 1 || rows_ > to.components)
+            return convert_elements<T, normalized>(data, source.stride, count, {columns_, rows_, column_stride_}, to);
+        switch (rows_) {
+            case 1:
+                return convert_vectors<T, normalized, 1>(data, source.stride, count, to);
+            case 2:
+                return convert_vectors<T, normalized, 2>(data, source.stride, count, to);
+            case 3:
+                return convert_vectors<T, normalized, 3>(data, source.stride, count, to);
+            default:
+                return convert_vectors<T, normalized, 4>(data, source.stride, count, to);
         }
-        convert_elements<T, normalized>(data, source.stride, count, columns_, rows_, column_stride_, to_components,
-                                        fill, out);
     };
     const auto run_integer = [&]<class T>() {
         if (normalized_)
@@ -238,11 +243,11 @@ void Accessor::convert(Source source, std::size_t first, std::size_t count, int 
 
 void Accessor::read(std::size_t first, std::size_t count, int to_components, float fill, float* out) const
 {
-    convert(elements_, first, count, to_components, fill, out);
+    convert(elements_, first, count, {out, to_components, fill});
     for (std::size_t i = 0; i < sparse_indices_.size(); ++i) {
         const std::size_t index = sparse_indices_[i];
         if (index < first || index - first >= count) continue;
-        convert(sparse_values_, i, 1, to_components, fill, out + (index - first) * std::size_t(to_components));
+        convert(sparse_values_, i, 1, {out + (index - first) * std::size_t(to_components), to_components, fill});
     }
 }
 

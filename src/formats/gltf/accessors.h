@@ -7,6 +7,13 @@
 
 namespace fathom {
 
+/// Memory for converted elements, whose missing components become `fill`.
+struct FloatElements {
+    float* values;
+    int components;
+    float fill;
+};
+
 /// An accessor of a glTF file. The constructor checks all its ranges, so that reading elements can't leave the buffer.
 class Accessor {
 public:
@@ -34,7 +41,7 @@ private:
     void check_range(const JsonValue& v, GltfFile::View view, std::size_t offset, std::size_t count, std::size_t size,
                      Source& out) const;
     void read_sparse(GltfFile& file, const JsonValue& v);
-    void convert(Source source, std::size_t first, std::size_t count, int to_components, float fill, float* out) const;
+    void convert(Source source, std::size_t first, std::size_t count, FloatElements to) const;
 
     std::string file_, place_;
     std::size_t count_ = 0, element_size_ = 0;

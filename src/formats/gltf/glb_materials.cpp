@@ -117,16 +117,33 @@ void GlbMaterials::put_color(Json& json, const char* key, const ColorInput& inpu
     if (!info.is_null()) json[texture_key] = std::move(info);
 }
 
-Json GlbMaterials::base_json(const Material& m)
+namespace {
+
+bool is_metal(MaterialKind kind)
 {
-    const bool is_metal = m.kind == MaterialKind::metal || m.kind == MaterialKind::fuzz_metal;
-    const bool has_facets = is_metal || m.kind == MaterialKind::glass || m.kind == MaterialKind::plastic ||
-                            m.kind == MaterialKind::principled;
-    ColorInput color = m.base_color;
-    if (m.kind == MaterialKind::none) color = {{0, 0, 0}, -1};
+    return kind == MaterialKind::metal || kind == MaterialKind::fuzz_metal;
+}
+
+bool has_facets(MaterialKind kind)
+{
+    return is_metal(kind) || kind == MaterialKind::glass || kind == MaterialKind::plastic ||
+           kind == MaterialKind::principled;
+}
+
+/// The color that glTF's base color stands for: of transmission in clear materials, else of reflection.
+ColorInput base_color(const Material& m)
+{
     const bool is_clear = m.kind == MaterialKind::glass || (m.transmission.value > 0 && m.metallic.value == 0);
-    if (is_clear) color = m.transmission_color;
-    Json json = Json::object();
+    if (is_clear) return m.transmission_color;
+    if (m.kind == MaterialKind::none) return {{0, 0, 0}, -1};
+    return m.base_color;
+}
+
+}  // namespace
+
+void GlbMaterials::put_base_color(const Material& m, Json& json)
+{
+    const ColorInput color = base_color(m);
     put_color(json, "baseColorFactor", color, {1, 1, 1}, "baseColorTexture");
     if (json.contains("baseColorFactor"))
         for (Json& channel : json["baseColorFactor"])
@@ -140,28 +157,36 @@ Json GlbMaterials::base_json(const Material& m)
             report("an alpha other than the base color's");
     }
     if (json.contains("baseColorFactor") && json["baseColorFactor"].size() == 3) json["baseColorFactor"].push_back(1);
+}
 
-    const FloatInput metallic =
-        m.kind == MaterialKind::principled ? m.metallic : FloatInput{is_metal ? 1.f : 0.f, -1, blue};
-    FloatInput roughness = has_facets ? m.roughness : FloatInput{1, -1, green};
+/// The GGX roughness that comes closest.
+FloatInput GlbMaterials::ggx_roughness(const Material& m)
+{
+    FloatInput roughness = has_facets(m.kind) ? m.roughness : FloatInput{1, -1, green};
     if (m.kind == MaterialKind::fuzz_metal) {
         roughness = {std::sqrt(m.fuzz), -1, green};
         if (m.fuzz > 0) report("fuzz: roughness is used instead");
     }
-    if (m.kind == MaterialKind::hair) report("hair scattering: it is approximated by a diffuse material");
-    if (m.beckmann && has_facets) {
+    if (m.beckmann && has_facets(m.kind)) {
         roughness.value *= 0.83666f;
         if (roughness.value > 0) report("the Beckmann distribution: it is approximated by GGX");
     }
+    return roughness;
+}
+
+void GlbMaterials::put_metallic_roughness(const Material& m, Json& json)
+{
+    const FloatInput metallic =
+        m.kind == MaterialKind::principled ? m.metallic : FloatInput{is_metal(m.kind) ? 1.f : 0.f, -1, blue};
+    const FloatInput roughness = ggx_roughness(m);
+    if (m.kind == MaterialKind::hair) report("hair scattering: it is approximated by a diffuse material");
     if (m.kind == MaterialKind::plastic) report("internal reflections below the boundary of plastic");
     put_factor(json, "metallicFactor", metallic, 1, "metallicRoughnessTexture", blue);
-    Json of_metal = json.contains("metallicRoughnessTexture") ? json["metallicRoughnessTexture"] : Json();
     put_factor(json, "roughnessFactor", roughness, 1, "metallicRoughnessTexture", green);
     const bool has_both = json.contains("metallicRoughnessTexture") && roughness.texture == metallic.texture;
-    const bool other_is_nothing = roughness.texture >= 0 ? metallic.value == 0 : roughness.value == 0;
-    if (json.contains("metallicRoughnessTexture") && !has_both && !other_is_nothing)
+    const bool other_is_zero = roughness.texture >= 0 ? metallic.value == 0 : roughness.value == 0;
+    if (json.contains("metallicRoughnessTexture") && !has_both && !other_is_zero)
         report("metalness and roughness that are not in one image");
-    return json;
 }
 
 void GlbMaterials::add_transmission(const Material& m, Json& json)
@@ -228,10 +253,7 @@ void GlbMaterials::add_layers(const Material& m, Json& json)
         Json& coat = extension(json, "KHR_materials_clearcoat");
         put_factor(coat, "clearcoatFactor", m.coat, 0, "clearcoatTexture", red);
         put_factor(coat, "clearcoatRoughnessFactor", m.coat_roughness, 0, "clearcoatRoughnessTexture", green);
-        if (Json info = texture_info(m.coat_normal_texture, ColorSpace::linear); !info.is_null()) {
-            if (m.coat_normal_scale != 1) info["scale"] = number_json(m.coat_normal_scale);
-            coat["clearcoatNormalTexture"] = std::move(info);
-        }
+        put_normal(coat, "clearcoatNormalTexture", m.coat_normal_texture, m.coat_normal_scale);
     }
     if (m.thin_film.value > 0) {
         Json& film = extension(json, "KHR_materials_iridescence");
@@ -322,10 +344,9 @@ Material principled_from_disney(Material m)
 
 }  // namespace
 
-Json GlbMaterials::material_json(const Material& given)
+/// Replaces the material by one that glTF has the terms for, and reports what is lost.
+Material GlbMaterials::approximated(Material m)
 {
-    Material m = given;
-    current_ = &given;
     if (m.kind == MaterialKind::measured) {
         report("a measured BRDF: it is approximated by a diffuse material");
         m.base_color = {reflectance_of(scene_.measured[std::size_t(m.measured)]), -1};
@@ -337,31 +358,50 @@ Json GlbMaterials::material_json(const Material& given)
     }
     if (m.two_roughnesses && !anisotropy_from_roughnesses(m))
         report("textures of two roughnesses: the one along the tangent is ignored");
-    Json json = Json::object();
-    if (!m.name.empty()) json["name"] = m.name;
-    Json base = base_json(m);
-    if (!base.empty()) json["pbrMetallicRoughness"] = std::move(base);
-    if (Json info = texture_info(m.normal_texture, ColorSpace::linear); !info.is_null()) {
-        if (m.normal_scale != 1) info["scale"] = number_json(m.normal_scale);
-        json["normalTexture"] = std::move(info);
-    }
-    bool is_double_sided = !m.single_sided;
+    return m;
+}
+
+void GlbMaterials::put_normal(Json& json, const char* key, int texture, float scale)
+{
+    Json info = texture_info(texture, ColorSpace::linear);
+    if (info.is_null()) return;
+    if (scale != 1) info["scale"] = number_json(scale);
+    json[key] = std::move(info);
+}
+
+void GlbMaterials::put_emission(const Material& m, Json& json)
+{
     const Color e = m.emission.value;
-    if (const float most = std::max({e.r, e.g, e.b}); most > 0) {
-        const float strength = std::max(most, 1.f);
-        put_color(json, "emissiveFactor", {{e.r / strength, e.g / strength, e.b / strength}, m.emission.texture},
-                  {0, 0, 0}, "emissiveTexture");
-        if (strength > 1)
-            extension(json, "KHR_materials_emissive_strength")["emissiveStrength"] = number_json(strength);
-        // glTF has one flag for both; emission takes precedence over the visibility of the back.
-        if (m.emission_two_sided == m.single_sided)
-            report(m.single_sided ? "two-sided emission of a single-sided surface: the surface becomes double-sided"
-                                  : "one-sided emission of a double-sided surface: the surface becomes single-sided");
-        is_double_sided = m.emission_two_sided;
-    }
+    const float strength = std::max({e.r, e.g, e.b, 1.f});
+    put_color(json, "emissiveFactor", {{e.r / strength, e.g / strength, e.b / strength}, m.emission.texture}, {0, 0, 0},
+              "emissiveTexture");
+    if (strength > 1) extension(json, "KHR_materials_emissive_strength")["emissiveStrength"] = number_json(strength);
+    // glTF has one flag for both; emission takes precedence over the visibility of the back.
+    if (m.emission_two_sided == m.single_sided)
+        report(m.single_sided ? "two-sided emission of a single-sided surface: the surface becomes double-sided"
+                              : "one-sided emission of a double-sided surface: the surface becomes single-sided");
+}
+
+void GlbMaterials::put_alpha_mode(const Material& m, Json& json)
+{
     if (m.alpha_mode != AlphaMode::opaque) json["alphaMode"] = m.alpha_mode == AlphaMode::mask ? "MASK" : "BLEND";
     if (m.alpha_mode == AlphaMode::mask && m.alpha_cutoff != 0.5f) json["alphaCutoff"] = number_json(m.alpha_cutoff);
-    if (is_double_sided) json["doubleSided"] = true;
+}
+
+Json GlbMaterials::material_json(const Material& given)
+{
+    current_ = &given;
+    const Material m = approximated(given);
+    Json json = Json::object(), base = Json::object();
+    if (!m.name.empty()) json["name"] = m.name;
+    put_base_color(m, base);
+    put_metallic_roughness(m, base);
+    if (!base.empty()) json["pbrMetallicRoughness"] = std::move(base);
+    put_normal(json, "normalTexture", m.normal_texture, m.normal_scale);
+    const bool emits = std::max({m.emission.value.r, m.emission.value.g, m.emission.value.b}) > 0;
+    if (emits) put_emission(m, json);
+    put_alpha_mode(m, json);
+    if (emits ? m.emission_two_sided : !m.single_sided) json["doubleSided"] = true;
 
     if (m.kind == MaterialKind::unlit) extension(json, "KHR_materials_unlit");
     // These kinds have no specular boundary.

@@ -28,7 +28,12 @@ private:
     /// The dominant material of a mixture, with the mixture's own parameters; other materials unchanged.
     Material dominant_material(int material);
     Json material_json(const Material& m);
-    Json base_json(const Material& m);
+    Material approximated(Material m);
+    void put_base_color(const Material& m, Json& json);
+    FloatInput ggx_roughness(const Material& m);
+    void put_metallic_roughness(const Material& m, Json& json);
+    void put_emission(const Material& m, Json& json);
+    static void put_alpha_mode(const Material& m, Json& json);
     void add_transmission(const Material& m, Json& json);
     void add_layers(const Material& m, Json& json);
     void report_losses(const Material& m);
@@ -41,6 +46,7 @@ private:
     void put_factor(Json& json, const char* key, const FloatInput& input, float usual, const char* texture_key,
                     int channel);
     void put_color(Json& json, const char* key, const ColorInput& input, Color usual, const char* texture_key);
+    void put_normal(Json& json, const char* key, int texture, float scale);
     /// The image texture behind textures that only transform uv, with that transform; nullptr if there is none.
     const Texture* picture_of(int texture);
     int texture_json(const Texture& t);

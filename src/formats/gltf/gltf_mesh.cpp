@@ -212,46 +212,72 @@ void GltfReader::add_morphs(const JsonValue& primitive, const std::optional<Json
     }
 }
 
-void GltfReader::read_primitive(const JsonValue& primitive, const std::string& name,
-                                const std::optional<JsonValue>& weights, std::vector<Part>& parts)
+std::optional<Accessor> GltfReader::read_positions(const JsonValue& primitive)
 {
     const auto attributes = primitive.get("attributes");
     if (!attributes) primitive.fail("key 'attributes' is missing");
     attributes->object();
-    const auto position_index = attributes->get("POSITION");
-    if (!position_index) {
+    const auto index = attributes->get("POSITION");
+    if (!index) {
         file_.warn("primitives without positions are ignored");
-        return;
+        return std::nullopt;
     }
     if (const auto extensions = primitive.get("extensions"))
-        if (extensions->has("KHR_draco_mesh_compression") &&
-            !file_.follow("accessors", *position_index).has("bufferView"))
+        if (extensions->has("KHR_draco_mesh_compression") && !file_.follow("accessors", *index).has("bufferView"))
             file_.add_decoded(decode_draco(file_, primitive));
-    const Accessor positions(file_, *position_index);
+    Accessor positions(file_, *index);
     if (positions.components() != 3) positions.fail("positions must be VEC3");
-
     const auto indices = primitive.get("indices");
     const auto index_count = indices ? Accessor(file_, *indices).count() : 0;
     file_.check_memory(primitive, 36.0 * double(positions.count()) + 12.0 * double(index_count));
+    return positions;
+}
+
+namespace {
+
+int primitive_mode(const JsonValue& primitive)
+{
     const int mode = primitive.has("mode") ? primitive["mode"].integer() : triangles;
     if (mode < points || mode > triangle_fan) primitive["mode"].fail(fmt::format("{} is not a primitive mode", mode));
+    return mode;
+}
+
+struct VertexRange {
+    std::size_t first, count;
+};
+
+/// Makes the indices relative to the least one. Many files have one accessor for the vertices of all primitives; only
+/// the range that a primitive uses is read.
+VertexRange rebase(std::vector<std::uint32_t>& indices)
+{
+    const auto [least, most] = std::minmax_element(indices.begin(), indices.end());
+    const VertexRange range{*least, std::size_t(*most) - *least + 1};
+    if (range.first > 0)
+        for (std::uint32_t& index : indices) index -= std::uint32_t(range.first);
+    return range;
+}
+
+}  // namespace
+
+void GltfReader::read_primitive(const JsonValue& primitive, const std::string& name,
+                                const std::optional<JsonValue>& weights, std::vector<Part>& parts)
+{
+    const std::optional<Accessor> positions = read_positions(primitive);
+    if (!positions) return;
+    const int mode = primitive_mode(primitive);
     Mesh mesh;
-    mesh.indices = read_corners(primitive, positions.count(), mode);
+    mesh.indices = read_corners(primitive, positions->count(), mode);
     if (mesh.indices.empty()) return;
-    // Many files have one accessor for the vertices of all primitives; only the range that this primitive uses is read.
-    const auto [least, most] = std::minmax_element(mesh.indices.begin(), mesh.indices.end());
-    const std::size_t first = *least, vertices = *most - first + 1;
-    if (first > 0)
-        for (std::uint32_t& index : mesh.indices) index -= std::uint32_t(first);
+    const VertexRange vertices = rebase(mesh.indices);
 
     Part part;
     mesh.name = name;
-    mesh.positions = read_vectors<Vec3f>(positions, first, vertices, 3, 0);
-    read_attributes(*attributes, first, mesh, part);
+    mesh.positions = read_vectors<Vec3f>(*positions, vertices.first, vertices.count, 3, 0);
+    read_attributes(primitive["attributes"], vertices.first, mesh, part);
     const bool moves =
         mode >= triangles && !rig_.animations.empty() && (!part.joints.empty() || primitive.has("targets"));
     if (moves) part.rest = mesh;
-    add_morphs(primitive, weights, first, mesh, part);
+    add_morphs(primitive, weights, vertices.first, mesh, part);
     part.shape.name = mesh.name;
     if (mode < triangles) {
         part.shape.material = material(primitive, false);

@@ -66,6 +66,8 @@ private:
     // gltf_mesh.cpp
     /// weights  of the morph targets, if the node has its own
     const std::vector<Part>& mesh(const JsonValue& index, const std::optional<JsonValue>& weights, std::size_t node);
+    /// Nothing, with a warning, if the primitive has no positions.
+    std::optional<Accessor> read_positions(const JsonValue& primitive);
     void read_primitive(const JsonValue& primitive, const std::string& name, const std::optional<JsonValue>& weights,
                         std::vector<Part>& parts);
     /// Vertex indices of a primitive as triangles, lines or points; consecutive ones if it has no indices.

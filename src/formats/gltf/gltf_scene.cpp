@@ -99,6 +99,30 @@ int GltfReader::camera(const JsonValue& index)
     return found->second;
 }
 
+namespace {
+
+LightKind light_kind(const JsonValue& v)
+{
+    if (!v.has("type")) v.fail("key 'type' is missing");
+    const std::string type = v["type"].string();
+    if (type == "point") return LightKind::point;
+    if (type == "spot") return LightKind::spot;
+    if (type == "directional") return LightKind::directional;
+    v["type"].fail(fmt::format("'{}' is not one of point, spot, directional", printable(type)));
+}
+
+void read_cone(const JsonValue& spot, Light& light)
+{
+    light.inner_angle = spot.has("innerConeAngle") ? spot["innerConeAngle"].number() : 0;
+    light.outer_angle = spot.has("outerConeAngle") ? spot["outerConeAngle"].number() : std::numbers::pi / 4;
+    if (!(light.inner_angle >= 0 && light.outer_angle > 0 && light.inner_angle <= light.outer_angle &&
+          light.outer_angle <= std::numbers::pi / 2 + 1e-6))
+        spot.fail("must satisfy 0 <= innerConeAngle <= outerConeAngle <= pi/2");
+}
+
+}  // namespace
+
+/// Reads a light of KHR_lights_punctual.
 int GltfReader::light(const JsonValue& index)
 {
     const auto [found, is_new] = lights_.try_emplace(index.count(), int(scene_.lights.size()));
@@ -113,27 +137,12 @@ int GltfReader::light(const JsonValue& index)
 
     Light light;
     if (const auto name = v.get("name")) light.name = name->string();
-    if (!v.has("type")) v.fail("key 'type' is missing");
-    const std::string type = v["type"].string();
-    if (type == "point")
-        light.kind = LightKind::point;
-    else if (type == "spot")
-        light.kind = LightKind::spot;
-    else if (type == "directional")
-        light.kind = LightKind::directional;
-    else
-        v["type"].fail(fmt::format("'{}' is not one of point, spot, directional", printable(type)));
+    light.kind = light_kind(v);
     Color color{1, 1, 1};
     if (const auto c = v.get("color")) color = c->array_of(3).color();
     const float intensity = v.has("intensity") ? std::max(0.0f, v["intensity"].single()) : 1;
     light.intensity = {color.r * intensity, color.g * intensity, color.b * intensity};
-    if (const auto spot = v.get("spot")) {
-        light.inner_angle = spot->has("innerConeAngle") ? (*spot)["innerConeAngle"].number() : 0;
-        light.outer_angle = spot->has("outerConeAngle") ? (*spot)["outerConeAngle"].number() : std::numbers::pi / 4;
-        if (!(light.inner_angle >= 0 && light.outer_angle > 0 && light.inner_angle <= light.outer_angle &&
-              light.outer_angle <= std::numbers::pi / 2 + 1e-6))
-            spot->fail("must satisfy 0 <= innerConeAngle <= outerConeAngle <= pi/2");
-    }
+    if (const auto spot = v.get("spot")) read_cone(*spot, light);
     if (light.kind != LightKind::directional && v.has("range"))
         file_.warn(
             "'range' of lights is ignored: their light falls off with the square of the distance at any distance");

@@ -3,23 +3,10 @@
 
 #include <bit>
 
+#include "formats/mesh/gather.h"
 #include "formats/mesh/vertex_index.h"
 
 namespace fathom {
-
-namespace {
-
-template <class T>
-void reindex(std::vector<T>& values, const std::vector<std::uint32_t>& from)
-{
-    if (values.empty()) return;
-    std::vector<T> taken;
-    taken.reserve(from.size());
-    for (const std::uint32_t i : from) taken.push_back(values[i]);
-    values = std::move(taken);
-}
-
-}  // namespace
 
 void set_face_colors(Mesh& mesh, const std::vector<Vec4f>& colors)
 {
@@ -37,10 +24,10 @@ void set_face_colors(Mesh& mesh, const std::vector<Vec4f>& colors)
         }
         mesh.indices[i] = vertex;
     }
-    reindex(mesh.positions, from);
-    reindex(mesh.normals, from);
-    reindex(mesh.tangents, from);
-    for (std::vector<Vec2f>& uvs : mesh.uvs) reindex(uvs, from);
+    gather(mesh.positions, from);
+    gather(mesh.normals, from);
+    gather(mesh.tangents, from);
+    for (std::vector<Vec2f>& uvs : mesh.uvs) gather(uvs, from);
 }
 
 }  // namespace fathom

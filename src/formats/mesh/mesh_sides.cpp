@@ -17,4 +17,10 @@ void orient_to_normals(Mesh& mesh)
     }
 }
 
+void flip(Mesh& mesh)
+{
+    for (std::size_t i = 0; i + 2 < mesh.indices.size(); i += 3) std::swap(mesh.indices[i + 1], mesh.indices[i + 2]);
+    for (Vec3f& n : mesh.normals) n = {-n.x, -n.y, -n.z};
+}
+
 }  // namespace fathom

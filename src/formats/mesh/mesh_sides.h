@@ -7,4 +7,7 @@ namespace fathom {
 /// Flips triangles whose geometric normal points away from their vertex normals.
 void orient_to_normals(Mesh& mesh);
 
+/// Reverses the orientation of all triangles, with their normals.
+void flip(Mesh& mesh);
+
 }  // namespace fathom

@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "formats/common/texture_walk.h"
+#include "formats/mesh/mesh_sides.h"
 #include "formats/mesh/surface_of_revolution.h"
 #include "formats/mitsuba/reader.h"
 
@@ -59,12 +60,6 @@ void add_tangents(Mesh& mesh)
 }
 
 }  // namespace
-
-void flip(Mesh& mesh)
-{
-    for (std::size_t i = 0; i + 2 < mesh.indices.size(); i += 3) std::swap(mesh.indices[i + 1], mesh.indices[i + 2]);
-    for (Vec3f& n : mesh.normals) n = {-n.x, -n.y, -n.z};
-}
 
 bool mirrors(Object& shape)
 {

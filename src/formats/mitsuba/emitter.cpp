@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "formats/common/lights.h"
 #include "formats/common/units.h"
 #include "formats/io/read_file.h"
 #include "formats/mitsuba/reader.h"
@@ -15,12 +16,6 @@
 namespace fathom::mitsuba {
 
 namespace {
-
-Color scaled(Color c, double factor)
-{
-    const auto f = float(factor);
-    return {c.r * f, c.g * f, c.b * f};
-}
 
 /// Maps directions of Fathom's environments, whose image has +x at its center and +z to the right, to Mitsuba's, whose
 /// image has +z at its center and -x to the right.
@@ -34,17 +29,6 @@ Transform mitsuba_from_environment()
 Transform rotation_of(Transform t)
 {
     for (auto& row : t.m) row[3] = 0;
-    return t;
-}
-
-/// A rotation that maps +z to a direction.
-Transform towards(Vec3d direction)
-{
-    const Vec3d w = normalize(direction);
-    const Vec3d u = normalize(cross(std::abs(w.y) > 0.9 ? Vec3d{1, 0, 0} : Vec3d{0, 1, 0}, w)), v = cross(w, u);
-    Transform t;
-    const Vec3d columns[] = {u, v, w};
-    for (std::size_t c = 0; c < 3; ++c) t.m[0][c] = columns[c].x, t.m[1][c] = columns[c].y, t.m[2][c] = columns[c].z;
     return t;
 }
 
@@ -142,7 +126,7 @@ void Reader::read_emitter(const Element& element)
         light.kind = LightKind::directional;
         light.intensity = plain_color(emitter, "irradiance", {1, 1, 1});
         const auto direction = emitter.vector("direction");
-        add_light(light, direction ? towards(*direction) : rotation_of(emitter.transform("to_world")));
+        add_light(light, direction ? rotation_from_z(*direction) : rotation_of(emitter.transform("to_world")));
     } else {
         report(element, "is not supported and is ignored");
         return;
@@ -231,7 +215,7 @@ void Reader::read_sky(Object& emitter)
         light.kind = LightKind::directional;
         light.angle = emitter.number("sun_aperture", 0.5358) * radians_per_degree;
         light.intensity = scaled(sun_at(turbidity, elevation_deg), emitter.number("sun_scale", 1));
-        add_light(light, towards(world.vector(-to_sun)));
+        add_light(light, rotation_from_z(world.vector(-to_sun)));
     }
     emitter.ignore({"turbidity", "albedo", "sun_aperture", "sun_scale", "sky_scale", "complex_sun"});
 }

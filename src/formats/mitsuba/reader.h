@@ -17,8 +17,6 @@
 
 namespace fathom::mitsuba {
 
-/// Flips the orientation of a mesh.
-void flip(Mesh& mesh);
 /// Whether the shape's own transform mirrors.
 bool mirrors(Object& shape);
 
@@ -132,6 +130,9 @@ private:
     std::optional<Shape> ply(Object& shape);
     Mesh ply_mesh(Object& shape, const std::string& file, const std::string& attribute);
     std::filesystem::path file_of(Object& shape);
+    /// A mesh of a file, which is read once for each variant of options. Errors in the file name the shape.
+    template <class Read>
+    Shape mesh_of_file(Object& shape, const std::string& file, const std::string& variant, const Read& read);
     /// The mesh attribute that the shape's material refers to ("vertex_color", "face_weight", ...); empty if none.
     std::string attribute_of(Object& shape);
     std::optional<Shape> serialized(Object& shape);

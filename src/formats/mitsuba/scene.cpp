@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "formats/common/units.h"
 #include "formats/io/read_file.h"

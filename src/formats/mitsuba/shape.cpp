@@ -12,6 +12,7 @@
 #include "formats/mesh/face_colors.h"
 #include "formats/mesh/mesh_cleanup.h"
 #include "formats/mesh/mesh_sides.h"
+#include "formats/mesh/vertex_normals.h"
 #include "formats/mitsuba/reader.h"
 #include "formats/mitsuba/sdf_grid.h"
 #include "formats/ply/ply.h"
@@ -21,28 +22,6 @@ namespace fathom::mitsuba {
 namespace {
 
 constexpr std::size_t max_nodes = 20'000'000;
-
-/// Adds vertex normals weighted by the faces' angles (G. Thuermer, C. A. Wuethrich, "Computing Vertex Normals from
-/// Polygonal Facets", 1998), as Mitsuba does for meshes without normals.
-void add_smooth_normals(Mesh& mesh)
-{
-    std::vector<Vec3d> sums(mesh.positions.size());
-    for (std::size_t i = 0; i + 2 < mesh.indices.size(); i += 3) {
-        Vec3d p[3];
-        for (std::size_t k = 0; k < 3; ++k) p[k] = to_double(mesh.positions[mesh.indices[i + k]]);
-        const Vec3d normal = normalize(cross(p[1] - p[0], p[2] - p[0]));
-        for (std::size_t k = 0; k < 3; ++k) {
-            const Vec3d a = normalize(p[(k + 1) % 3] - p[k]), b = normalize(p[(k + 2) % 3] - p[k]);
-            Vec3d& sum = sums[mesh.indices[i + k]];
-            sum = sum + normal * std::acos(std::clamp(dot(a, b), -1.0, 1.0));
-        }
-    }
-    mesh.normals.resize(mesh.positions.size());
-    for (std::size_t i = 0; i < sums.size(); ++i) {
-        const Vec3d n = normalize(sums[i]);
-        mesh.normals[i] = length(n) > 0.5 ? to_float(n) : Vec3f{0, 0, 1};
-    }
-}
 
 }  // namespace
 
@@ -155,7 +134,7 @@ Mesh Reader::finished(Mesh mesh, Object& shape, bool flip_v)
     else if (has_normals)
         orient_to_normals(mesh);
     else
-        add_smooth_normals(mesh);
+        set_vertex_normals(mesh, NormalWeight::angle);
     // A mesh without normals faces the side from which its corners are counterclockwise in world space, whatever its
     // transform.
     const bool is_turned = !has_normals && mirrors(shape);
@@ -231,23 +210,30 @@ Mesh Reader::ply_mesh(Object& shape, const std::string& file, const std::string&
     if (!attribute.empty() && mesh.colors.empty())
         report(shape.element(), fmt::format("the mesh has no '{}': white is used", printable(attribute)));
     mesh.name = std::filesystem::path(file).stem().string();
-    clean_mesh(mesh, file, context_.mesh_faults);
     return mesh;
 }
 
-std::optional<Shape> Reader::ply(Object& shape)
+template <class Read>
+Shape Reader::mesh_of_file(Object& shape, const std::string& file, const std::string& variant, const Read& read)
 {
-    const std::string file = file_of(shape).string(), attribute = attribute_of(shape);
-    const Key key{nullptr, file + '\n' + variant_of(shape, shape.boolean("flip_tex_coords", false)) + attribute};
-    if (const auto known = meshes_.find(key); known != meshes_.end()) return Shape{MeshInstance{known->second}, -1, {}};
+    const Key key{nullptr, file + '\n' + variant};
+    if (const auto known = meshes_.find(key); known != meshes_.end()) return {MeshInstance{known->second}, -1, {}};
     try {
-        Mesh mesh = ply_mesh(shape, file, attribute);
+        Mesh mesh = read();
+        clean_mesh(mesh, file, context_.mesh_faults);
         meshes_[key] = int(scene_.meshes.size());
         return add_mesh(std::move(mesh));
     } catch (const Error& error) {
         if (error.file() == *shape.element().place.file) throw;
         shape.element().fail(error.what());
     }
+}
+
+std::optional<Shape> Reader::ply(Object& shape)
+{
+    const std::string file = file_of(shape).string(), attribute = attribute_of(shape);
+    const std::string variant = variant_of(shape, shape.boolean("flip_tex_coords", false)) + attribute;
+    return mesh_of_file(shape, file, variant, [&] { return ply_mesh(shape, file, attribute); });
 }
 
 std::optional<Shape> Reader::serialized(Object& shape)
@@ -255,23 +241,15 @@ std::optional<Shape> Reader::serialized(Object& shape)
     const int index = shape.integer("shape_index", 0);
     const bool flip_v = shape.boolean("flip_tex_coords", false);
     const std::string file = file_of(shape).string();
-    const Key key{nullptr, fmt::format("{}\n{}\n{}", file, index, variant_of(shape, flip_v))};
-    if (const auto known = meshes_.find(key); known != meshes_.end()) return Shape{MeshInstance{known->second}, -1, {}};
-    try {
+    return mesh_of_file(shape, file, fmt::format("{}\n{}", index, variant_of(shape, flip_v)), [&] {
         auto found = serialized_.find(file);
         if (found == serialized_.end())
             found = serialized_.emplace(file, SerializedFile(file, context_.read(file))).first;
         if (index < 0 || std::size_t(index) >= found->second.count())
             shape.element().fail(
                 fmt::format("there is no mesh {} in '{}': it has {}", index, file, found->second.count()));
-        Mesh mesh = finished(found->second.mesh(std::size_t(index)), shape, flip_v);
-        clean_mesh(mesh, file, context_.mesh_faults);
-        meshes_[key] = int(scene_.meshes.size());
-        return add_mesh(std::move(mesh));
-    } catch (const Error& error) {
-        if (error.file() == *shape.element().place.file) throw;
-        shape.element().fail(error.what());
-    }
+        return finished(found->second.mesh(std::size_t(index)), shape, flip_v);
+    });
 }
 
 std::optional<Shape> Reader::sdf_grid(Object& shape)
@@ -279,18 +257,11 @@ std::optional<Shape> Reader::sdf_grid(Object& shape)
     const std::string file = file_of(shape).string(), normals = shape.text("normals", "smooth");
     if (normals != "smooth" && normals != "analytic")
         shape.element().fail(fmt::format("normals must be 'smooth' or 'analytic', found '{}'", printable(normals)));
-    const Key key{nullptr, file + '\n' + normals};
-    if (const auto known = meshes_.find(key); known != meshes_.end()) return Shape{MeshInstance{known->second}, -1, {}};
-    try {
+    return mesh_of_file(shape, file, normals, [&] {
         Mesh mesh = sdf_mesh(file, context_.read(file), normals == "smooth");
         mesh.name = shape.text("filename", "");
-        clean_mesh(mesh, file, context_.mesh_faults);
-        meshes_[key] = int(scene_.meshes.size());
-        return add_mesh(std::move(mesh));
-    } catch (const Error& error) {
-        if (error.file() == *shape.element().place.file) throw;
-        shape.element().fail(error.what());
-    }
+        return mesh;
+    });
 }
 
 std::optional<Shape> Reader::curves(Object& shape)

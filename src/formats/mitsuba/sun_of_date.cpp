@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "formats/mitsuba/sun_of_date.h"
+#include "formats/common/units.h"
 
 #include <cmath>
-#include <numbers>
 
 #include "fathom/sun.h"
 #include "formats/common/units.h"

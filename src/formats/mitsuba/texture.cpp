@@ -85,6 +85,31 @@ std::optional<Color> Reader::color_of(const Element& element)
     return std::nullopt;
 }
 
+namespace {
+
+/// Points of a `regular` spectrum, which has a range of wavelengths, or of an `irregular` one, which lists them.
+std::vector<SpectrumPoint> sampled_points(Object& spectrum)
+{
+    const Element& element = spectrum.element();
+    std::vector<double> wavelengths = numbers_of(element, spectrum.text("wavelengths", ""));
+    const std::vector<double> values = numbers_of(element, spectrum.text("values", ""));
+    if (spectrum.type() == "regular") {
+        const double low = spectrum.number("wavelength_min", 360), high = spectrum.number("wavelength_max", 830);
+        for (std::size_t i = 0; i < values.size(); ++i)
+            wavelengths.push_back(low + (high - low) * double(i) / std::max(1.0, double(values.size()) - 1));
+    }
+    if (values.empty() || wavelengths.size() != values.size())
+        element.fail("a spectrum must have as many values as wavelengths");
+    std::vector<SpectrumPoint> points;
+    for (std::size_t i = 0; i < values.size(); ++i) {
+        if (i > 0 && wavelengths[i] <= wavelengths[i - 1]) element.fail("wavelengths must increase");
+        points.push_back({wavelengths[i], values[i]});
+    }
+    return points;
+}
+
+}  // namespace
+
 Color Reader::spectrum(const Element& element)
 {
     Object object(element, document_);
@@ -112,23 +137,7 @@ Color Reader::spectrum(const Element& element)
         const float scale = float(object.number("scale", 1));
         return {scale * c.r, scale * c.g, scale * c.b};
     }
-    if (type == "regular" || type == "irregular") {
-        std::vector<double> wavelengths = numbers_of(element, object.text("wavelengths", ""));
-        const std::vector<double> values = numbers_of(element, object.text("values", ""));
-        if (type == "regular") {
-            const double low = object.number("wavelength_min", 360), high = object.number("wavelength_max", 830);
-            for (std::size_t i = 0; i < values.size(); ++i)
-                wavelengths.push_back(low + (high - low) * double(i) / std::max(1.0, double(values.size()) - 1));
-        }
-        if (values.empty() || wavelengths.size() != values.size())
-            element.fail("a spectrum must have as many values as wavelengths");
-        std::vector<SpectrumPoint> points;
-        for (std::size_t i = 0; i < values.size(); ++i) {
-            if (i > 0 && wavelengths[i] <= wavelengths[i - 1]) element.fail("wavelengths must increase");
-            points.push_back({wavelengths[i], values[i]});
-        }
-        return of_points(points);
-    }
+    if (type == "regular" || type == "irregular") return of_points(sampled_points(object));
     if (type == "srgb" || type == "rgb") return plain_color(object, type == "srgb" ? "color" : "value", {1, 1, 1});
     report(element, "is not supported: 1 is used");
     return {1, 1, 1};

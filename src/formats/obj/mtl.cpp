@@ -92,55 +92,52 @@ private:
             e.phong.ior = scan_.number();
         else if (lower == "d")
             e.opacity = opacity();
-        else if (lower == "tr")
-            e.transparency = scan_.number();
         else if (lower == "illum")
             e.illum = int(std::clamp(scan_.number(), 0.0f, 10.0f));
-        else if (lower == "pr")
-            e.roughness = scan_.number();
-        else if (lower == "pm")
-            e.metallic = scan_.number();
-        else if (lower == "ps")
-            e.sheen = scan_.number();
-        else if (lower == "pc")
-            e.coat = scan_.number();
-        else if (lower == "pcr")
-            e.coat_roughness = scan_.number();
-        else if (lower == "aniso")
-            e.anisotropy = scan_.number();
-        else if (lower == "anisor")
-            e.anisotropy_turn = scan_.number();
-        else
-            read_map(key, lower, e);
-    }
-
-    void read_map(std::string_view key, const std::string& lower, Entry& e)
-    {
-        if (lower == "map_kd")
-            e.map_diffuse = map(ColorSpace::srgb);
-        else if (lower == "map_ke")
-            e.map_emission = map(ColorSpace::srgb);
-        else if (lower == "map_d" || lower == "map_tr")
-            e.map_opacity = map(ColorSpace::linear);
-        else if (lower == "map_pr")
-            e.map_roughness = map(ColorSpace::linear);
-        else if (lower == "map_pm")
-            e.map_metallic = map(ColorSpace::linear);
-        else if (lower == "map_ps")
-            e.map_sheen = map(ColorSpace::linear);
-        else if (lower == "map_pc")
-            e.map_coat = map(ColorSpace::linear);
-        else if (lower == "map_pcr")
-            e.map_coat_roughness = map(ColorSpace::linear);
-        else if (lower == "norm" || lower == "map_kn")
-            e.map_normal = map(ColorSpace::linear);
-        else if (lower == "map_bump" || lower == "bump")
-            read_bump(e);
-        else if (lower == "disp" || lower == "map_disp")
-            read_displacement(e);
-        else if (lower.starts_with("map_") || lower == "decal" || lower == "refl")
+        else if (!read_number(lower, e) && !read_map(lower, e) && is_map(lower))
             warnings_.add(fmt::format("{}: '{}' is not supported and is ignored", name_, printable(key)));
     }
+
+    /// Reads a number that is optional. False for other keys.
+    bool read_number(std::string_view key, Entry& e)
+    {
+        static constexpr std::pair<std::string_view, std::optional<float> Entry::*> numbers[] = {
+            {"tr", &Entry::transparency},  {"pr", &Entry::roughness},
+            {"pm", &Entry::metallic},      {"ps", &Entry::sheen},
+            {"pc", &Entry::coat},          {"pcr", &Entry::coat_roughness},
+            {"aniso", &Entry::anisotropy}, {"anisor", &Entry::anisotropy_turn}};
+        for (const auto& [name, member] : numbers) {
+            if (name != key) continue;
+            e.*member = scan_.number();
+            return true;
+        }
+        return false;
+    }
+
+    /// Reads the name of an image. False for other keys.
+    bool read_map(std::string_view key, Entry& e)
+    {
+        static constexpr std::pair<std::string_view, int Entry::*> maps[] = {
+            {"map_kd", &Entry::map_diffuse}, {"map_ke", &Entry::map_emission},  {"map_d", &Entry::map_opacity},
+            {"map_tr", &Entry::map_opacity}, {"map_pr", &Entry::map_roughness}, {"map_pm", &Entry::map_metallic},
+            {"map_ps", &Entry::map_sheen},   {"map_pc", &Entry::map_coat},      {"map_pcr", &Entry::map_coat_roughness},
+            {"norm", &Entry::map_normal},    {"map_kn", &Entry::map_normal}};
+        for (const auto& [name, member] : maps) {
+            if (name != key) continue;
+            const bool is_color = member == &Entry::map_diffuse || member == &Entry::map_emission;
+            e.*member = map(is_color ? ColorSpace::srgb : ColorSpace::linear);
+            return true;
+        }
+        if (key == "map_bump" || key == "bump")
+            read_bump(e);
+        else if (key == "disp" || key == "map_disp")
+            read_displacement(e);
+        else
+            return false;
+        return true;
+    }
+
+    static bool is_map(std::string_view key) { return key.starts_with("map_") || key == "decal" || key == "refl"; }
 
     float opacity()
     {
@@ -178,52 +175,22 @@ private:
         e.displacement_midlevel = -value_base_ / value_gain_;
     }
 
+    /// Options of a map that apply to texture coordinates.
+    struct MapPlacement {
+        Vec2f offset{0, 0}, scale{1, 1};
+        Wrap wrap = Wrap::repeat;
+    };
+
     /// Reads a map's options and file name, which may contain spaces. Returns the texture's index, or -1.
     int map(ColorSpace color_space)
     {
-        Texture texture;
-        texture.color_space = color_space;
         bump_scale_ = value_gain_ = 1;
         value_base_ = 0;
-        Vec2f offset{0, 0}, scale{1, 1};
+        MapPlacement placement;
         std::string_view rest = scan_.rest();
         while (rest.starts_with('-')) {
             TextScanner words(name_, rest, scan_.line());
-            const std::string_view option = words.word();
-            const auto up_to_three = [&](Vec2f& out) {
-                for (int i = 0; i < 3; ++i) {
-                    TextScanner ahead = words;
-                    const std::string_view word = ahead.word();
-                    if (word.empty() ||
-                        !(std::isdigit(static_cast<unsigned char>(word[0])) || word[0] == '-' || word[0] == '+' ||
-                          word[0] == '.') ||
-                        (word.size() > 1 && std::isalpha(static_cast<unsigned char>(word[1]))))
-                        break;
-                    // File names such as 2k.png begin like numbers.
-                    if (word.find_first_not_of("0123456789+-.eE") != std::string_view::npos) break;
-                    const float value = words.to_number(words.word());
-                    if (i == 0) out.x = value;
-                    if (i == 1) out.y = value;
-                }
-            };
-            Vec2f ignored;
-            if (option == "-o")
-                up_to_three(offset);
-            else if (option == "-s")
-                up_to_three(scale);
-            else if (option == "-t")
-                up_to_three(ignored);
-            else if (option == "-bm")
-                bump_scale_ = words.number();
-            else if (option == "-clamp")
-                texture.wrap_u = texture.wrap_v = words.word() == "on" ? Wrap::clamp : Wrap::repeat;
-            else if (option == "-mm")
-                value_base_ = words.number(), value_gain_ = words.number();
-            else if (option == "-blendu" || option == "-blendv" || option == "-cc" || option == "-boost" ||
-                     option == "-texres" || option == "-imfchan" || option == "-type")
-                words.word();
-            else
-                break;
+            if (!read_map_option(words, placement)) break;
             rest = words.rest();
         }
         rest = file_name(rest);
@@ -231,12 +198,61 @@ private:
             warnings_.add(name_ + ": textures without a file are ignored");
             return -1;
         }
+        Texture texture;
+        texture.color_space = color_space;
+        texture.wrap_u = texture.wrap_v = placement.wrap;
         // OBJ's v grows upward; the reader flips it.
-        texture.uv_scale = scale;
-        texture.uv_offset = {offset.x, 1 - scale.y - offset.y};
+        texture.uv_scale = placement.scale;
+        texture.uv_offset = {placement.offset.x, 1 - placement.scale.y - placement.offset.y};
         texture.image = image(rest);
         scene_.textures.push_back(texture);
         return int(scene_.textures.size()) - 1;
+    }
+
+    /// Reads an option of a map with its arguments. False if the words begin with something else.
+    bool read_map_option(TextScanner& words, MapPlacement& placement)
+    {
+        const std::string_view option = words.word();
+        if (option == "-o") {
+            placement.offset = read_up_to_three(words, placement.offset);
+        } else if (option == "-s") {
+            placement.scale = read_up_to_three(words, placement.scale);
+        } else if (option == "-t") {
+            read_up_to_three(words, {});
+        } else if (option == "-bm") {
+            bump_scale_ = words.number();
+        } else if (option == "-clamp") {
+            placement.wrap = words.word() == "on" ? Wrap::clamp : Wrap::repeat;
+        } else if (option == "-mm") {
+            value_base_ = words.number(), value_gain_ = words.number();
+        } else {
+            constexpr std::string_view ignored[] = {"-blendu", "-blendv",  "-cc",  "-boost",
+                                                    "-texres", "-imfchan", "-type"};
+            if (std::find(std::begin(ignored), std::end(ignored), option) == std::end(ignored)) return false;
+            words.word();
+        }
+        return true;
+    }
+
+    /// Reads up to three numbers, of which the third is ignored; missing ones keep their values.
+    static Vec2f read_up_to_three(TextScanner& words, Vec2f values)
+    {
+        for (int i = 0; i < 3; ++i) {
+            TextScanner ahead = words;
+            // File names such as 2k.png begin like numbers.
+            if (!looks_like_number(ahead.word())) break;
+            const float value = words.to_number(words.word());
+            if (i == 0) values.x = value;
+            if (i == 1) values.y = value;
+        }
+        return values;
+    }
+    static bool looks_like_number(std::string_view word)
+    {
+        return !word.empty() && word.find_first_not_of("0123456789+-.eE") == std::string_view::npos &&
+               (std::isdigit(static_cast<unsigned char>(word[0])) || word[0] == '-' || word[0] == '+' ||
+                word[0] == '.') &&
+               !(word.size() > 1 && std::isalpha(static_cast<unsigned char>(word[1])));
     }
 
     /// The file name without a comment: a '#' belongs to the name unless the part before it has an extension.

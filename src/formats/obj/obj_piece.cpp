@@ -136,33 +136,46 @@ private:
 
     void read_line(TextScanner& scan)
     {
+        using Read = void (PieceReader::*)(TextScanner&);
+        static constexpr std::pair<std::string_view, Read> statements[] = {
+            {"v", &PieceReader::read_position},
+            {"vt", &PieceReader::read_uv},
+            {"vn", &PieceReader::read_normal},
+            {"f", &PieceReader::read_face},
+            {"fo", &PieceReader::read_face},
+            {"usemtl", &PieceReader::read_name<ObjPiece::Event::material>},
+            {"mtllib", &PieceReader::read_name<ObjPiece::Event::library>},
+            {"o", &PieceReader::read_name<ObjPiece::Event::object>},
+            {"p", &PieceReader::read_points},
+            {"l", &PieceReader::count<&ObjPiece::drawn_lines>},
+            {"vp", &PieceReader::count<&ObjPiece::free_forms>},
+            {"curv", &PieceReader::count<&ObjPiece::free_forms>},
+            {"curv2", &PieceReader::count<&ObjPiece::free_forms>},
+            {"surf", &PieceReader::count<&ObjPiece::free_forms>},
+            {"cstype", &PieceReader::count<&ObjPiece::free_forms>}};
+        static constexpr std::string_view ignored[] = {"g",      "s",        "mg",       "lod",        "usemap",
+                                                       "maplib", "deg",      "end",      "parm",       "bevel",
+                                                       "call",   "c_interp", "d_interp", "shadow_obj", "trace_obj"};
         const std::string_view key = scan.word();
         if (key.empty()) return;
-        if (key == "v")
-            read_position(scan);
-        else if (key == "vt")
-            read_uv(scan);
-        else if (key == "vn")
-            piece_.normals.push_back({scan.number(), scan.number(), scan.number()});
-        else if (key == "f" || key == "fo")
-            read_face(scan);
-        else if (key == "usemtl")
-            add_event(ObjPiece::Event::material, scan.rest());
-        else if (key == "mtllib")
-            add_event(ObjPiece::Event::library, scan.rest());
-        else if (key == "o")
-            add_event(ObjPiece::Event::object, scan.rest());
-        else if (key == "p")
-            add_event(ObjPiece::Event::points, rest_of_any_lines(scan));
-        else if (key == "l")
-            ++piece_.drawn_lines;
-        else if (key == "vp" || key == "curv" || key == "curv2" || key == "surf" || key == "cstype")
-            ++piece_.free_forms;
-        else if (key != "g" && key != "s" && key != "mg" && key != "lod" && key != "usemap" && key != "maplib" &&
-                 key != "deg" && key != "end" && key != "parm" && key != "bevel" && key != "c_interp" &&
-                 key != "d_interp" && key != "shadow_obj" && key != "trace_obj" && key != "call")
+        const auto* const found = std::find_if(std::begin(statements), std::end(statements),
+                                               [&](const auto& statement) { return statement.first == key; });
+        if (found != std::end(statements))
+            (this->*found->second)(scan);
+        else if (std::find(std::begin(ignored), std::end(ignored), key) == std::end(ignored))
             ++piece_.unknown_lines;
     }
+    template <auto counter>
+    void count(TextScanner&)
+    {
+        ++(piece_.*counter);
+    }
+    template <ObjPiece::Event::Kind kind>
+    void read_name(TextScanner& scan)
+    {
+        add_event(kind, scan.rest());
+    }
+    void read_points(TextScanner& scan) { add_event(ObjPiece::Event::points, rest_of_any_lines(scan)); }
 
     void read_position(TextScanner& scan)
     {
@@ -188,6 +201,8 @@ private:
         const float v = scan.line_has_more() ? scan.number() : 0;
         piece_.uvs.push_back({u, 1 - v});
     }
+
+    void read_normal(TextScanner& scan) { piece_.normals.push_back({scan.number(), scan.number(), scan.number()}); }
 
     void read_face(TextScanner& scan)
     {

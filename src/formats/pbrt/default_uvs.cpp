@@ -1,22 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "formats/pbrt/default_uvs.h"
 
+#include "formats/mesh/gather.h"
+
 namespace fathom::pbrt {
 
 namespace {
 
 // Fathom's v grows downward.
 constexpr Vec2f square[] = {{0, 1}, {1, 1}, {1, 0}, {0, 0}};
-
-template <class T>
-void unshare(std::vector<T>& values, const std::vector<std::uint32_t>& indices)
-{
-    if (values.empty()) return;
-    std::vector<T> own;
-    own.reserve(indices.size());
-    for (const std::uint32_t i : indices) own.push_back(values[i]);
-    values = std::move(own);
-}
 
 /// Whether two triangles form a fan about their first corner, as convex quadrilaterals are triangulated.
 bool is_fan(const std::uint32_t* corners)
@@ -37,9 +29,9 @@ void add_default_uvs(Mesh& mesh, const std::vector<std::uint32_t>& quads)
         if (second + 2 >= count || !is_fan(&mesh.indices[second - 3])) continue;
         uvs[second + 1] = square[2], uvs[second + 2] = square[3];
     }
-    unshare(mesh.positions, mesh.indices);
-    unshare(mesh.normals, mesh.indices);
-    unshare(mesh.colors, mesh.indices);
+    gather(mesh.positions, mesh.indices);
+    gather(mesh.normals, mesh.indices);
+    gather(mesh.colors, mesh.indices);
     mesh.uvs[0] = std::move(uvs);
     for (std::size_t i = 0; i < count; ++i) mesh.indices[i] = std::uint32_t(i);
 }

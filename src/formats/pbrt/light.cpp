@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "formats/common/lights.h"
 #include "formats/common/units.h"
 #include "formats/io/read_file.h"
 #include "formats/pbrt/reader.h"
@@ -13,23 +14,6 @@
 namespace fathom::pbrt {
 
 namespace {
-
-Color scaled(Color c, double factor)
-{
-    const auto f = float(factor);
-    return {c.r * f, c.g * f, c.b * f};
-}
-
-/// A rotation that maps +z to a direction.
-Transform towards(Vec3d direction)
-{
-    const Vec3d w = normalize(direction);
-    const Vec3d u = normalize(cross(std::abs(w.y) > 0.9 ? Vec3d{1, 0, 0} : Vec3d{0, 1, 0}, w)), v = cross(w, u);
-    Transform t;
-    const Vec3d columns[] = {u, v, w};
-    for (std::size_t c = 0; c < 3; ++c) t.m[0][c] = columns[c].x, t.m[1][c] = columns[c].y, t.m[2][c] = columns[c].z;
-    return t;
-}
 
 Transform rotation_of(const Transform& t)
 {
@@ -58,49 +42,79 @@ void Reader::add_light_node(Light light, const Transform& world_from_node)
     scene_.roots.push_back(add_node(std::move(node)));
 }
 
+namespace {
+
+/// A light's position and the point that it is directed at.
+struct Aim {
+    Vec3d from, to;
+};
+
+Aim aim_of(const Parameters& of)
+{
+    const Aim aim{of.vector("from").value_or(Vec3d{}), of.vector("to").value_or(Vec3d{0, 0, 1})};
+    if (length(aim.to - aim.from) == 0) of.fail("'from' and 'to' are the same point");
+    return aim;
+}
+
+}  // namespace
+
 void Reader::read_light(const Parameters& of)
 {
     if (state_.ctm[0].m != state_.ctm[1].m) report(of, "light motion is not supported: the first transform is used");
     const std::string& type = of.plugin();
     if (type == "infinite") return read_infinite(of);
-    const bool has_place = type != "goniometric" && type != "projection";
-    const Vec3d from = has_place ? of.vector("from").value_or(Vec3d{}) : Vec3d{},
-                to = has_place && type != "point" ? of.vector("to").value_or(Vec3d{0, 0, 1}) : Vec3d{0, 0, 1};
-    if (has_place && type != "point" && length(to - from) == 0) of.fail("'from' and 'to' are the same point");
-    const double power = of.number("power", -1);
-    const Transform& world = state_.ctm[0];
-    Light light;
-    if (type == "point" || (type == "goniometric" && !of.has("filename"))) {
-        light.intensity = light_color(of, "I");
-        if (power > 0) light.intensity = scaled(light.intensity, power / (4 * std::numbers::pi));
-        add_light(light, world * Transform::translate(from));
-    } else if (type == "goniometric") {
+    if (type == "point" || (type == "goniometric" && !of.has("filename")))
+        read_point(of);
+    else if (type == "goniometric")
         read_goniometric(of);
-    } else if (type == "projection") {
+    else if (type == "projection")
         read_projection(of);
-    } else if (type == "spot") {
-        light.kind = LightKind::spot;
-        light.intensity = light_color(of, "I");
-        const double cone = of.number("coneangle", 30);
-        light.outer_angle = cone * radians_per_degree;
-        light.falloff = SpotFalloff::smooth;
-        light.inner_angle = std::max(0.0, cone - of.number("conedeltaangle", 5)) * radians_per_degree;
-        if (!(cone > 0 && cone < 180)) of.fail("the cone's angle must be above 0 and below 180 degrees");
-        const double inner = std::cos(light.inner_angle), outer = std::cos(light.outer_angle);
-        if (power > 0)
-            light.intensity =
-                scaled(light.intensity, power / (2 * std::numbers::pi * ((1 - inner) + (inner - outer) / 2)));
-        add_light(light, world * Transform::translate(from) * towards(to - from));
-    } else if (type == "distant") {
-        light.kind = LightKind::directional;
-        light.intensity = light_color(of, "L");
-        if (const double lux = of.number("illuminance", -1); lux > 0) light.intensity = scaled(light.intensity, lux);
-        add_light(light, rotation_of(world) * towards(to - from));
-    } else {
-        report(of, "is not supported and is ignored");
-        return;
-    }
+    else if (type == "spot")
+        read_spot(of);
+    else if (type == "distant")
+        read_distant(of);
+    else
+        return report(of, "is not supported and is ignored");
     of.finish(reporter_);
+}
+
+/// Reads a point light, or a goniometric one without an image, which is a point at the origin.
+void Reader::read_point(const Parameters& of)
+{
+    Light light;
+    light.intensity = light_color(of, "I");
+    const Vec3d from = of.plugin() == "point" ? of.vector("from").value_or(Vec3d{}) : Vec3d{};
+    const double power = of.number("power", -1);
+    if (power > 0) light.intensity = scaled(light.intensity, power / (4 * std::numbers::pi));
+    add_light(light, state_.ctm[0] * Transform::translate(from));
+}
+
+void Reader::read_spot(const Parameters& of)
+{
+    const Aim aim = aim_of(of);
+    Light light;
+    light.kind = LightKind::spot;
+    light.intensity = light_color(of, "I");
+    const double cone = of.number("coneangle", 30);
+    light.outer_angle = cone * radians_per_degree;
+    light.falloff = SpotFalloff::smooth;
+    light.inner_angle = std::max(0.0, cone - of.number("conedeltaangle", 5)) * radians_per_degree;
+    if (!(cone > 0 && cone < 180)) of.fail("the cone's angle must be above 0 and below 180 degrees");
+    const double inner = std::cos(light.inner_angle), outer = std::cos(light.outer_angle);
+    if (const double power = of.number("power", -1); power > 0)
+        light.intensity = scaled(light.intensity, power / (2 * std::numbers::pi * ((1 - inner) + (inner - outer) / 2)));
+    add_light(light, state_.ctm[0] * Transform::translate(aim.from) * rotation_from_z(aim.to - aim.from));
+}
+
+void Reader::read_distant(const Parameters& of)
+{
+    const Aim aim = aim_of(of);
+    Light light;
+    light.kind = LightKind::directional;
+    light.intensity = light_color(of, "L");
+    if (const double lux = of.number("illuminance", -1); lux > 0) light.intensity = scaled(light.intensity, lux);
+    of.ignore({"power"});
+    add_light(light, rotation_of(state_.ctm[0]) * rotation_from_z(aim.to - aim.from));
 }
 
 /// The image's center is the direction +y, its right is +x and its bottom is +z.

@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "formats/common/alpha_blend.h"
+#include "formats/common/lights.h"
 #include "formats/common/medium.h"
 #include "formats/common/power.h"
 #include "formats/common/suggest.h"
@@ -16,12 +17,6 @@
 namespace fathom::pbrt {
 
 namespace {
-
-Color scaled(Color c, double factor)
-{
-    const auto f = float(factor);
-    return {c.r * f, c.g * f, c.b * f};
-}
 
 float largest(const ColorInput& c)
 {

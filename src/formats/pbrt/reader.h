@@ -84,6 +84,11 @@ private:
 
     // view.cpp: camera, film and sampler
     void read_camera(const Parameters& camera);
+    Camera placed_camera(const Parameters& of, const std::array<double, 4>& window) const;
+    void read_spherical(const Parameters& of, Camera& camera);
+    void read_realistic(const Parameters& of, double aspect, double scale, Camera& camera);
+    void read_perspective(const Parameters& of, double half_height, Camera& camera);
+    void read_thin_lens(const Parameters& of, double scale, Camera& camera);
     void finish_camera();
     void read_film(const Parameters& film);
     void read_crop(const Parameters& film, int width, int height);
@@ -172,6 +177,9 @@ private:
     // light.cpp: lights without a surface
     void read_light(const Parameters& light);
     void read_infinite(const Parameters& light);
+    void read_point(const Parameters& of);
+    void read_spot(const Parameters& of);
+    void read_distant(const Parameters& of);
     void read_goniometric(const Parameters& of);
     void read_projection(const Parameters& of);
     static void set_power(const Parameters& of, Light& light);

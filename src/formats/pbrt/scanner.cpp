@@ -108,8 +108,22 @@ Token Scanner::next()
     return scan();
 }
 
-template <class Number>
-bool Scanner::try_number(Number& value)
+namespace {
+
+/// Whether digits that don't fit their type are a number too close to 0 rather than too large.
+bool is_underflow(std::string_view digits)
+{
+    double value = 0;
+    const auto result = std::from_chars(digits.data(), digits.data() + digits.size(), value);
+    const bool has_negative_exponent =
+        digits.find_first_of("eE") != std::string_view::npos && digits.find('-', 1) != std::string_view::npos;
+    return has_negative_exponent && (result.ec != std::errc() || std::abs(value) < 1);
+}
+
+}  // namespace
+
+/// Moves to the next token. False unless it looks like a number.
+bool Scanner::begin_number()
 {
     if (peeked_) {
         // Rewinds to the beginning of the token, which contains no line ends.
@@ -119,30 +133,28 @@ bool Scanner::try_number(Number& value)
     }
     skip_blanks();
     token_start_ = at_, token_line_ = line_, token_line_start_ = line_start_;
-    if (at_ == end_ || !begins_number(*at_)) return false;
+    return at_ != end_ && begins_number(*at_);
+}
+
+template <class Number>
+bool Scanner::try_number(Number& value)
+{
+    if (!begin_number()) return false;
+    constexpr bool is_integer = std::is_integral_v<Number>;
     const char* const digits = *at_ == '+' ? at_ + 1 : at_;
     const auto [stop, error] = std::from_chars(digits, end_, value);
     const bool is_whole = stop == end_ || ends_word(*stop);
     if (error == std::errc::result_out_of_range && is_whole) {
-        // Numbers too small for the type become 0; numbers too large are errors.
-        double wide = 0;
-        const auto again = std::from_chars(digits, end_, wide);
-        if (!std::is_integral_v<Number> && (again.ec == std::errc() ? std::abs(wide) < 1 : true) &&
-            std::string_view(digits, std::size_t(stop - digits)).find_first_of("eE") != std::string_view::npos &&
-            std::string_view(digits, std::size_t(stop - digits)).find('-', 1) != std::string_view::npos) {
-            value = 0;
-            at_ = stop;
-            return true;
-        }
-        fail(fmt::format("the number '{}' is too large", printable({at_, std::size_t(stop - at_)})));
-    }
-    if (error != std::errc() || !is_whole) {
+        if (is_integer || !is_underflow({digits, std::size_t(stop - digits)}))
+            fail(fmt::format("the number '{}' is too large", printable({at_, std::size_t(stop - at_)})));
+        value = 0;
+    } else if (error != std::errc() || !is_whole) {
         const char* word_end = at_;
         while (word_end != end_ && !ends_word(*word_end)) ++word_end;
-        fail(fmt::format("expected {}, found '{}'", std::is_integral_v<Number> ? "a whole number" : "a number",
+        fail(fmt::format("expected {}, found '{}'", is_integer ? "a whole number" : "a number",
                          printable({at_, std::size_t(word_end - at_)})));
     }
-    if constexpr (!std::is_integral_v<Number>)
+    if constexpr (!is_integer)
         if (!std::isfinite(value)) fail("a number must be finite");
     at_ = stop;
     return true;

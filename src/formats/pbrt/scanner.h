@@ -45,6 +45,7 @@ public:
 
 private:
     void skip_blanks();
+    bool begin_number();
     Token scan();
 
     std::shared_ptr<const std::string> file_;

@@ -12,6 +12,7 @@
 #include "formats/io/read_file.h"
 #include "formats/mesh/mesh_cleanup.h"
 #include "formats/mesh/mesh_sides.h"
+#include "formats/mesh/vertex_normals.h"
 #include "formats/pbrt/default_uvs.h"
 #include "formats/pbrt/loop_subdivision.h"
 #include "formats/pbrt/reader.h"
@@ -23,30 +24,7 @@ namespace {
 
 constexpr std::size_t max_subdivided = 12'000'000;
 
-/// Adds vertex normals weighted by the faces' areas.
-void add_smooth_normals(Mesh& mesh)
-{
-    std::vector<Vec3d> sums(mesh.positions.size());
-    for (std::size_t i = 0; i + 2 < mesh.indices.size(); i += 3) {
-        const Vec3d a = to_double(mesh.positions[mesh.indices[i]]), b = to_double(mesh.positions[mesh.indices[i + 1]]),
-                    c = to_double(mesh.positions[mesh.indices[i + 2]]);
-        const Vec3d normal = cross(b - a, c - a);
-        for (std::size_t k = 0; k < 3; ++k) sums[mesh.indices[i + k]] = sums[mesh.indices[i + k]] + normal;
-    }
-    mesh.normals.resize(sums.size());
-    for (std::size_t i = 0; i < sums.size(); ++i) {
-        const Vec3d n = normalize(sums[i]);
-        mesh.normals[i] = length(n) > 0.5 ? to_float(n) : Vec3f{0, 0, 1};
-    }
-}
-
-void flip(Mesh& mesh)
-{
-    for (std::size_t i = 0; i + 2 < mesh.indices.size(); i += 3) std::swap(mesh.indices[i + 1], mesh.indices[i + 2]);
-    for (Vec3f& n : mesh.normals) n = {-n.x, -n.y, -n.z};
-}
-
-void turn_v_over(Mesh& mesh)
+void flip_v(Mesh& mesh)
 {
     for (Vec2f& uv : mesh.uvs[0]) uv.y = 1 - uv.y;
 }
@@ -114,7 +92,7 @@ std::optional<Shape> Reader::triangle_mesh(const Parameters& shape, const Surfac
 {
     Mesh mesh = vertices_of(shape);
     mesh.indices = indices_of(shape, mesh.positions.size(), 3);
-    turn_v_over(mesh);
+    flip_v(mesh);
     if (mesh.uvs[0].empty() && needs_uv(surface)) add_default_uvs(mesh, {});
     // Fathom derives tangents from texture coordinates.
     shape.ignore({"S", "faceIndices"});
@@ -198,7 +176,7 @@ std::optional<Shape> Reader::loop_mesh(const Parameters& shape, const Surface& s
         shape.fail(fmt::format("'levels' is too large: more than {} corners of triangles", max_subdivided));
     shape.ignore({"scheme"});
     Mesh mesh = loop_subdivided(base.positions, indices, levels);
-    add_smooth_normals(mesh);
+    set_vertex_normals(mesh, NormalWeight::area);
     if (needs_uv(surface)) add_default_uvs(mesh, {});
     return add_mesh(std::move(mesh), *shape.place().file);
 }

@@ -153,11 +153,67 @@ std::array<double, 4> Reader::crop_window(const std::array<double, 4>& window) c
     return {x(crop_[0]), x(crop_[1]), y(crop_[3]), y(crop_[2])};
 }
 
+/// A camera's position and shift, without its projection.
+Camera Reader::placed_camera(const Parameters& of, const std::array<double, 4>& window) const
+{
+    const double width = window[1] - window[0], height = window[3] - window[2];
+    Camera camera;
+    // By default the screen window grows along the longer side; an explicit window keeps its height.
+    if (!of.has("screenwindow")) camera.fov_axis = FovAxis::smaller, camera.fov_aspect = width / height;
+    camera.shift_x = (window[0] + window[1]) / 2 / width, camera.shift_y = (window[2] + window[3]) / 2 / height;
+    camera.position = world_from_camera_.point({0, 0, 0});
+    camera.look_at = world_from_camera_.point({0, 0, 1});
+    camera.up = normalize(world_from_camera_.vector({0, 1, 0}));
+    return camera;
+}
+
+void Reader::read_spherical(const Parameters& of, Camera& camera)
+{
+    const std::string mapping = of.text("mapping", "equalarea");
+    if (mapping != "equalarea" && mapping != "equirectangular")
+        of.fail(fmt::format("'mapping' must be 'equalarea' or 'equirectangular', found '{}'", printable(mapping)));
+    const bool equal = mapping == "equalarea";
+    camera.kind = equal ? CameraKind::equal_area : CameraKind::spherical;
+    camera.look_at = world_from_camera_.point(equal ? Vec3d{0, 0, -1} : Vec3d{-1, 0, 0});
+    camera.shift_x = camera.shift_y = 0;
+    if (crop_ != std::array<int, 4>{0, film_size_[0], 0, film_size_[1]})
+        report(of, "the crop of a spherical camera is ignored: the image shows all directions");
+}
+
+void Reader::read_realistic(const Parameters& of, double aspect, double scale, Camera& camera)
+{
+    report(of, "the lens is approximated by a thin lens, with a film diagonal of 35 mm");
+    camera.aperture = of.number("aperturediameter", 1) * 1e-3 * scale;
+    camera.focus_distance = of.number("focusdistance", 10) * scale;
+    // Lens files are not read; a 50 mm lens is assumed.
+    const double film_height = 0.035 / std::hypot(1, aspect) * (crop_[3] - crop_[2]) / film_size_[1];
+    camera.fov_y = 2 * std::atan(film_height / 2 / 0.050);
+    of.ignore({"lensfile", "aperture"});
+}
+
+void Reader::read_perspective(const Parameters& of, double half_height, Camera& camera)
+{
+    const double fov = of.number("fov", 90) * radians_per_degree;
+    if (!(fov > 0) || !(fov < std::numbers::pi)) of.fail("'fov' must be above 0 and below 180 degrees");
+    camera.fov_y = 2 * std::atan(std::tan(fov / 2) * half_height);
+    if (of.plugin() != "perspective") report(of, "is not supported: a perspective camera is used");
+}
+
+void Reader::read_thin_lens(const Parameters& of, double scale, Camera& camera)
+{
+    const double radius = of.number("lensradius", 0);
+    if (of.plugin() == "perspective")
+        camera.aperture = 2 * radius * scale;
+    else if (radius > 0)
+        report(of, "the lens of an orthographic camera is ignored");
+    const double focus = of.number("focaldistance", 1e6);
+    camera.focus_distance = radius > 0 ? focus * scale : 0;
+}
+
 void Reader::read_camera(const Parameters& of)
 {
     const std::string& type = of.plugin();
-    const Transform& world = world_from_camera_;
-    const double determinant = world.determinant();
+    const double determinant = world_from_camera_.determinant();
     if (!std::isnormal(determinant)) of.fail("its transform must be invertible");
     // pbrt's cameras are left-handed: x right, y up, z forward. Images of spherical cameras are mirrored.
     mirrored_ = (determinant > 0) != (type == "spherical");
@@ -165,52 +221,20 @@ void Reader::read_camera(const Parameters& of)
     const double aspect = said > 0 ? said : double(film_size_[0]) / film_size_[1];
     if (said > 0) report(of, "'frameaspectratio' applies to the view only: the image has the film's size");
     const std::array<double, 4> window = crop_window(screen(of, aspect));
-    const double width = window[1] - window[0], height = window[3] - window[2];
-    const double half_height = height / 2, scale = std::cbrt(std::abs(determinant));
-    Camera camera;
-    // By default the screen window grows along the longer side; an explicit window keeps its height.
-    if (!of.has("screenwindow")) camera.fov_axis = FovAxis::smaller, camera.fov_aspect = width / height;
-    camera.shift_x = (window[0] + window[1]) / 2 / width, camera.shift_y = (window[2] + window[3]) / 2 / height;
-    camera.position = world.point({0, 0, 0});
-    camera.look_at = world.point({0, 0, 1});
-    camera.up = normalize(world.vector({0, 1, 0}));
+    Camera camera = placed_camera(of, window);
+    const double half_height = (window[3] - window[2]) / 2;
+    const double scale = std::cbrt(std::abs(determinant));
     if (type == "orthographic") {
         camera.kind = CameraKind::orthographic;
-        camera.height = 2 * half_height * length(world.vector({0, 1, 0}));
+        camera.height = 2 * half_height * length(world_from_camera_.vector({0, 1, 0}));
     } else if (type == "spherical") {
-        const std::string mapping = of.text("mapping", "equalarea");
-        if (mapping != "equalarea" && mapping != "equirectangular")
-            of.fail(fmt::format("'mapping' must be 'equalarea' or 'equirectangular', found '{}'", printable(mapping)));
-        const bool equal = mapping == "equalarea";
-        camera.kind = equal ? CameraKind::equal_area : CameraKind::spherical;
-        camera.look_at = world.point(equal ? Vec3d{0, 0, -1} : Vec3d{-1, 0, 0});
-        camera.shift_x = camera.shift_y = 0;
-        if (crop_ != std::array<int, 4>{0, film_size_[0], 0, film_size_[1]})
-            report(of, "the crop of a spherical camera is ignored: the image shows all directions");
+        read_spherical(of, camera);
     } else if (type == "realistic") {
-        report(of, "the lens is approximated by a thin lens, with a film diagonal of 35 mm");
-        const double focus = of.number("focusdistance", 10) * scale;
-        camera.aperture = of.number("aperturediameter", 1) * 1e-3 * scale;
-        camera.focus_distance = focus;
-        // Lens files are not read; a 50 mm lens is assumed.
-        const double film_height = 0.035 / std::hypot(1, aspect) * (crop_[3] - crop_[2]) / film_size_[1];
-        camera.fov_y = 2 * std::atan(film_height / 2 / 0.050);
-        of.ignore({"lensfile", "aperture"});
+        read_realistic(of, aspect, scale, camera);
     } else {
-        const double fov = of.number("fov", 90) * radians_per_degree;
-        if (!(fov > 0) || !(fov < std::numbers::pi)) of.fail("'fov' must be above 0 and below 180 degrees");
-        camera.fov_y = 2 * std::atan(std::tan(fov / 2) * half_height);
-        if (type != "perspective") {
-            report(of, "is not supported: a perspective camera is used");
-        }
+        read_perspective(of, half_height, camera);
     }
-    if (type == "perspective" || type == "orthographic") {
-        const double radius = of.number("lensradius", 0);
-        if (radius > 0 && type == "orthographic") report(of, "the lens of an orthographic camera is ignored");
-        if (type == "perspective") camera.aperture = 2 * radius * scale;
-        const double focus = of.number("focaldistance", 1e6);
-        camera.focus_distance = radius > 0 ? focus * scale : 0;
-    }
+    if (type == "perspective" || type == "orthographic") read_thin_lens(of, scale, camera);
     camera.shutter_open = of.number("shutteropen", 0);
     camera.shutter_close = std::max(camera.shutter_open, of.number("shutterclose", 1));
     of.finish(reporter_);

@@ -194,7 +194,7 @@ class Checkpoints(CommandLine):
         text = self.ok("render", "slow.json", "--size", "9x7", "--spp", "30", "--checkpoint", "c.exr", "--every", "0.1", "-o", "a.png",
                        preexec_fn=limit).stderr
         self.assertEqual(text.count("c.exr: can't write"), 1, text)
-        self.assertIn("the render goes on and will try again", text)
+        self.assertIn("the render continues and will try again", text)
         self.assertTrue(os.path.exists(self.path("a.png")))
         self.assertFalse(os.path.exists(self.path("c.exr")))
 

@@ -73,7 +73,7 @@ class Parts(CommandLine):
         self.assertEqual(info["size"], [9, 7])
         self.assertEqual(info["samples"], [[2, 6]])
         self.assertEqual((info["samples_per_pixel"], info["seed"], info["dropped_samples"]), (4, 7, 0))
-        self.assertEqual(info["layers"], ["picture"])
+        self.assertEqual(info["layers"], ["image"])
         self.assertIn("guiding=1", info["settings"])
         self.assertEqual(info["attributes"]["fathom.scene"], "box.json")
         # Samples of s * 7 % 16 / 16: 14, 5, 12 and 3 sixteenths.

@@ -159,7 +159,7 @@ class Submit(CommandLine):
             "environment": {"kind": "gradient", "bottom": [0, 0, 0]}, "materials": {"m": {"kind": "diffuse"}},
             "scene": [{"sphere": {"center": [0, 0, 0], "radius": 1}, "material": "m"}]}))
         os.mkdir(self.path("out.exr.parts"))
-        plan = {"version": 1, "program": PROGRAM, "scene": self.path("lit.json"), "render_options": [], "picture_options": [],
+        plan = {"version": 1, "program": PROGRAM, "scene": self.path("lit.json"), "render_options": [], "image_options": [],
                 "outputs": [self.path("out.exr")], "parts": 2, "samples": 48, "scheduler_options": [], "submissions": []}
         self.scene("out.exr.parts/plan.json", json.dumps(plan))
         noise = []
@@ -177,7 +177,7 @@ class Submit(CommandLine):
         self.refused(1, "status", "out.exr", words=["submit it first"])
         self.refused(1, "submit", "--fix", "out.exr", words=["submit it first"])
         os.mkdir(self.path("out.exr.parts"))
-        plan = {"version": 1, "program": "fathom", "scene": "/box.json", "render_options": [], "picture_options": [],
+        plan = {"version": 1, "program": "fathom", "scene": "/box.json", "render_options": [], "image_options": [],
                 "outputs": [self.path("out.exr")], "parts": 3, "samples": 7, "scheduler_options": [], "submissions": []}
         damaged = ["", "[]", "{", '{"version": 2}', json.dumps({**plan, "parts": 0}), json.dumps({**plan, "parts": -1}),
                    json.dumps({**plan, "samples": 2}), json.dumps({**plan, "outputs": []}), json.dumps({**plan, "parts": "x"}),

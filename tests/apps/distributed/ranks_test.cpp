@@ -125,7 +125,7 @@ RankPlace place(const char* host, const char* cores, int threads, const char* la
     return {host, cores, launcher, threads};
 }
 
-TEST(Machines, RanksShareCores)
+TEST(RankMachines, RanksShareCores)
 {
     using Threads = std::vector<int>;
     EXPECT_EQ(assign_threads({place("a", "0-7", 8), place("a", "0-7", 8), place("a", "0-7", 8)}), (Threads{2, 3, 3}));
@@ -136,7 +136,7 @@ TEST(Machines, RanksShareCores)
     EXPECT_EQ(assign_threads({place("a", "", 4), place("a", "", 4)}), (Threads{2, 2})) << "no cores are told";
 }
 
-TEST(Machines, TellsOfIdleCores)
+TEST(RankMachines, ReportsIdleCores)
 {
     const std::vector<RankPlace> bound = {place("a", "0", 1, "0-7"), place("a", "1,5", 2, "0-7"),
                                           place("b", "0-1", 2, "0-1")};
@@ -145,7 +145,7 @@ TEST(Machines, TellsOfIdleCores)
     EXPECT_EQ(count_machines(bound), 2);
 }
 
-TEST(Machines, TravelAsText)
+TEST(RankMachines, RoundTripAsText)
 {
     const RankPlace back = RankPlace::parse(place("node-7.lab", "0-3,8", 5, "0-15").text());
     EXPECT_EQ(back.host, "node-7.lab");

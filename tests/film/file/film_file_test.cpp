@@ -10,12 +10,14 @@
 #include "fathom/error.h"
 #include "film/made_film.h"
 #include "image/pictures.h"
+#include "support/error_message.h"
 
 namespace fathom {
 namespace {
 
 namespace fs = std::filesystem;
 using test::bytes_of;
+using test::error_text;
 using test::TemporaryFolder;
 
 constexpr int width = 7, height = 5;
@@ -25,7 +27,7 @@ Film some_film(std::uint64_t first, std::uint64_t last, std::vector<Aov> aovs = 
 {
     RenderSettings settings;
     settings.width = width, settings.height = height, settings.aovs = std::move(aovs), settings.alpha = alpha;
-    Film film = test::made_film(settings);
+    Film film = test::make_test_film(settings);
     film.data().add_range({first, last});
     film.data().dropped = first;
     std::uint32_t state = std::uint32_t(first) + 9;
@@ -56,22 +58,12 @@ void expect_same(const Film& a, const Film& b)
     EXPECT_EQ(a.key().text(), b.key().text());
 }
 
-std::string message_of(const std::function<void()>& action)
-{
-    try {
-        action();
-    } catch (const Error& error) {
-        return error.what();
-    }
-    return "";
-}
-
 void overwrite(const fs::path& file, const std::vector<char>& bytes)
 {
     std::ofstream(file, std::ios::binary | std::ios::trunc).write(bytes.data(), std::streamsize(bytes.size()));
 }
 
-TEST(FilmFile, ComesBackAsItWas)
+TEST(FilmFile, RoundTrips)
 {
     const TemporaryFolder folder;
     const std::vector<Aov> all = {Aov::albedo,   Aov::normal,      Aov::depth,
@@ -89,7 +81,7 @@ TEST(FilmFile, ComesBackAsItWas)
         }
 }
 
-TEST(FilmFile, ShowsItsPictureToWhoeverReadsExr)
+TEST(FilmFile, IsAReadableExrImage)
 {
     const TemporaryFolder folder;
     const Film film = some_film(0, 3, {Aov::normal}, true);
@@ -144,7 +136,7 @@ TEST(FilmFile, LeavesNoFileOpen)
     const fs::path file = folder.path() / "a.exr", other = folder.path() / "b.exr", none = folder.path() / "c.exr";
     write(file, some_film(0, 3));
     write(other, some_film(3, 4));
-    write_image(none, test::made_image(4, 4), {});
+    write_image(none, test::make_test_image(4, 4), {});
     const auto before = open_files();
     for (int i = 0; i < 3; ++i) {
         Film film = FilmFile(file).read();
@@ -158,7 +150,7 @@ TEST(FilmFile, LeavesNoFileOpen)
     EXPECT_EQ(open_files(), before);
 }
 
-TEST(FilmFile, IsAddedToNothingThatItDoesNotBelongTo)
+TEST(FilmFile, RejectsAFilmOfAnotherScene)
 {
     const TemporaryFolder folder;
     write(folder.path() / "a.exr", some_film(0, 3));
@@ -166,7 +158,7 @@ TEST(FilmFile, IsAddedToNothingThatItDoesNotBelongTo)
     Film overlapping = some_film(2, 4), other = some_film(5, 6, {Aov::depth});
     for (Film* film : {&overlapping, &other}) {
         const Film::Sums before = film->sums();
-        const std::string message = message_of([&] { file.add_to(*film); });
+        const std::string message = error_text([&] { file.add_to(*film); });
         EXPECT_NE(message.find("a.exr: "), std::string::npos) << message;
         EXPECT_NE(message.find(film == &other ? "aovs is , not 2" : "overlap"), std::string::npos) << message;
         EXPECT_EQ(film->sums().words, before.words);
@@ -175,7 +167,7 @@ TEST(FilmFile, IsAddedToNothingThatItDoesNotBelongTo)
 }
 
 /// A flipped bit is detected anywhere: in headers, table, images and sums.
-TEST(FilmFile, AnyDamageIsSeen)
+TEST(FilmFile, DetectsAnyDamage)
 {
     const TemporaryFolder folder;
     const fs::path file = folder.path() / "a.exr";
@@ -189,7 +181,7 @@ TEST(FilmFile, AnyDamageIsSeen)
     };
     for (std::size_t at = 0; at < good.size(); ++at) {
         put(at, char(good[at] ^ (1 << at % 8)));
-        const std::string message = message_of([&] { FilmFile(file).read(); });
+        const std::string message = error_text([&] { FilmFile(file).read(); });
         EXPECT_NE(message.find("a.exr"), std::string::npos) << at << " " << message;
         EXPECT_EQ(message.find('\n'), std::string::npos);
         put(at, good[at]);
@@ -205,20 +197,20 @@ TEST(FilmFile, TellsWhatIsNone)
 {
     const TemporaryFolder folder;
     const fs::path file = folder.path() / "a.exr";
-    EXPECT_NE(message_of([&] { FilmFile f(file); }).find("No such file"), std::string::npos);
-    EXPECT_NE(message_of([&] { FilmFile f(folder.path()); }).find("this is not a file"), std::string::npos);
+    EXPECT_NE(error_text([&] { FilmFile f(file); }).find("No such file"), std::string::npos);
+    EXPECT_NE(error_text([&] { FilmFile f(folder.path()); }).find("this is not a file"), std::string::npos);
     ASSERT_EQ(mkfifo((folder.path() / "pipe").c_str(), 0600), 0);
-    EXPECT_NE(message_of([&] { FilmFile f(folder.path() / "pipe"); }).find("this is not a file"), std::string::npos);
-    write_image(file, test::made_image(4, 4), {});
-    EXPECT_NE(message_of([&] { FilmFile f(file); }).find("--mergeable"), std::string::npos);
-    write_image(folder.path() / "a.png", test::made_image(4, 4), {});
-    EXPECT_NE(message_of([&] { FilmFile f(folder.path() / "a.png"); }).find("film files are OpenEXR"),
+    EXPECT_NE(error_text([&] { FilmFile f(folder.path() / "pipe"); }).find("this is not a file"), std::string::npos);
+    write_image(file, test::make_test_image(4, 4), {});
+    EXPECT_NE(error_text([&] { FilmFile f(file); }).find("--mergeable"), std::string::npos);
+    write_image(folder.path() / "a.png", test::make_test_image(4, 4), {});
+    EXPECT_NE(error_text([&] { FilmFile f(folder.path() / "a.png"); }).find("film files are OpenEXR"),
               std::string::npos);
-    EXPECT_THROW(write_film(file, some_film(0, 1), test::made_image(4, 4), {}), Error);
+    EXPECT_THROW(write_film(file, some_film(0, 1), test::make_test_image(4, 4), {}), Error);
 }
 
 /// The size in a header is compared with the file's size before memory is allocated.
-TEST(FilmFile, TakesNoMemoryForWhatIsNotThere)
+TEST(FilmFile, AllocatesOnlyStoredData)
 {
     const TemporaryFolder folder;
     const fs::path file = folder.path() / "a.exr";
@@ -240,7 +232,7 @@ TEST(FilmFile, TakesNoMemoryForWhatIsNotThere)
     settings.width = settings.height = 65535;
     const std::string most = FilmKey{settings, std::string(32, '0')}.text();
     for (const std::size_t length : {std::size_t(0), std::size_t(1) << 20}) {
-        Image image = test::made_image(65535, 1, {"Y"});
+        Image image = test::make_test_image(65535, 1, {"Y"});
         image.attributes = {{"fathom.sums.version", "1"},
                             {"fathom.sums.key", most},
                             {"fathom.sums.samples", "0:1"},
@@ -249,7 +241,7 @@ TEST(FilmFile, TakesNoMemoryForWhatIsNotThere)
                             {"fathom.sums.checksum", std::string(16, '0')}};
         write_image(file, image, {});
         fs::resize_file(file, fs::file_size(file) + length);
-        const std::string message = message_of([&] { FilmFile(file).read(); });
+        const std::string message = error_text([&] { FilmFile(file).read(); });
         EXPECT_NE(message.find("not of 65535x65535 pixels"), std::string::npos) << message;
     }
 }
@@ -288,7 +280,7 @@ TEST(FilmSnapshot, LeavesTheEarlierFileWhenTheDiskIsFull)
     for (rlim_t limit : {0, 1, 100, 2000}) {
         const rlimit small{limit, old.rlim_max};
         setrlimit(RLIMIT_FSIZE, &small);
-        const std::string message = message_of([&] { snapshot.write(file, folder.path() / "b.exr"); });
+        const std::string message = error_text([&] { snapshot.write(file, folder.path() / "b.exr"); });
         setrlimit(RLIMIT_FSIZE, &old);
         EXPECT_NE(message.find("can't write: "), std::string::npos) << limit << " " << message;
         EXPECT_EQ(bytes_of(file), before);

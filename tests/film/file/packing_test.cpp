@@ -37,9 +37,9 @@ std::vector<std::uint32_t> through(const Packing& packing, const Film& film, std
     return words;
 }
 
-TEST(Packing, KeepsWhateverThereIs)
+TEST(Packing, RoundTripsAnyData)
 {
-    Film film = test::made_film(settings_of(8, 4));
+    Film film = test::make_test_film(settings_of(8, 4));
     std::uint32_t state = 1;
     const auto random = [&] { return state = state * 1664525u + 1013904223u; };
     // Random masks give numbers of all lengths, both signs and trailing zeros.
@@ -54,7 +54,7 @@ TEST(Packing, KeepsWhateverThereIs)
 
 TEST(Packing, TakesNoMoreBytesThanTheLargestNeeds)
 {
-    Film film = test::made_film(settings_of(4, 1));
+    Film film = test::make_test_film(settings_of(4, 1));
     EXPECT_EQ(Packing(film.data()).words(), 1);  // the three ids of a pixel without a hit need 32 bits
     for (std::size_t i = 0; i < 4; ++i) film.data().pixel(i)[film.data().layout.ids] = 0;
     EXPECT_EQ(Packing(film.data()).words(), 0);
@@ -85,7 +85,7 @@ TEST(Packing, TakesNoMoreBytesThanTheLargestNeeds)
 
 TEST(Packing, NumbersWithoutSignFillTheirBytes)
 {
-    Film film = test::made_film(settings_of(1, 1));
+    Film film = test::make_test_film(settings_of(1, 1));
     for (int w = 0; w < film.data().layout.words; ++w) film.data().pixel(0)[w] = 0;
     square_sum(film.data().pixel(0), 0)[0] = 0xff;
     square_sum(film.data().pixel(0), 1)[0] = 0x1ff;
@@ -95,9 +95,9 @@ TEST(Packing, NumbersWithoutSignFillTheirBytes)
     EXPECT_EQ(through(packing, film, 0), words_of(film, 0));
 }
 
-TEST(Packing, ComesBackFromItsText)
+TEST(Packing, RoundTripsAsText)
 {
-    Film film = test::made_film(settings_of(1, 1));
+    Film film = test::make_test_film(settings_of(1, 1));
     for (int w = 0; w < film.data().layout.words; ++w) film.data().words[std::size_t(w)] = std::uint32_t(w) * 77777777u;
     const Packing packing(film.data()), read(film.data().layout, packing.text());
     EXPECT_EQ(read.text(), packing.text());

@@ -34,7 +34,7 @@ void sleep_for_ever()
     for (;;) pause();
 }
 
-TEST(RunApart, ReturnsWhatTheWorkReturns)
+TEST(Subprocess, ReturnsTheResult)
 {
     const std::string large(5'000'000, 'x');
     const SubprocessResult result = run_in_subprocess([&] { return large; }, long_s, memory);
@@ -42,12 +42,12 @@ TEST(RunApart, ReturnsWhatTheWorkReturns)
     EXPECT_EQ(result.bytes, large);
 }
 
-TEST(RunApart, EndsWorkThatCrashes)
+TEST(Subprocess, ReportsCrashes)
 {
     EXPECT_EQ(run_in_subprocess([]() -> std::string { std::abort(); }, long_s, memory).failure, "it crashed");
 }
 
-TEST(RunApart, EndsWorkThatTakesTooMuch)
+TEST(Subprocess, EnforcesMemoryAndTimeLimits)
 {
 #ifdef FATHOM_ADDRESS_SANITIZER
     GTEST_SKIP() << "the address sanitizer ends a program that is out of memory, where new would throw";
@@ -56,7 +56,7 @@ TEST(RunApart, EndsWorkThatTakesTooMuch)
               "it ran out of memory");
 }
 
-TEST(RunApart, EndsWorkThatOnlyWaits)
+TEST(Subprocess, EnforcesTheTimeLimitOfWaitingWork)
 {
     SubprocessResult result;
     const double seconds = seconds_of([&] {
@@ -68,10 +68,10 @@ TEST(RunApart, EndsWorkThatOnlyWaits)
             0, memory);
     });
     EXPECT_EQ(result.failure, "it exceeded its time or memory limit");
-    EXPECT_GE(seconds, 2) << "processor time is no measure of work that waits";
+    EXPECT_GE(seconds, 2) << "CPU time does not measure work that waits";
 }
 
-TEST(RunApart, EndsWithTheProgram)
+TEST(Subprocess, EndsWithTheProgram)
 {
     // The subprocess holds the write end of a pipe; its exit closes it, which shows at the read end.
     int ends[2];
@@ -98,9 +98,9 @@ TEST(RunApart, EndsWithTheProgram)
     close(ends[0]);
 }
 
-TEST(RunApart, MayReadAndNothingElse)
+TEST(Subprocess, SandboxAllowsOnlyReading)
 {
-    if (prctl(PR_GET_SECCOMP) < 0) GTEST_SKIP() << "this kernel can't take rights away";
+    if (prctl(PR_GET_SECCOMP) < 0) GTEST_SKIP() << "this kernel has no seccomp";
     namespace fs = std::filesystem;
     const fs::path folder = fs::temp_directory_path() / ("fathom_apart_" + std::to_string(getpid()));
     fs::create_directories(folder);

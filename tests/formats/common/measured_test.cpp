@@ -108,7 +108,7 @@ TEST(MeasuredFile, EachTable)
     EXPECT_TRUE(read(file).color_is_per_facet);
 }
 
-TEST(MeasuredFile, SpectraBecomeColoursInDaylight)
+TEST(MeasuredFile, SpectraBecomeColorsInDaylight)
 {
     File file = file_of(true);
     const MeasuredBrdf brdf = read(file);
@@ -148,7 +148,7 @@ std::string message_of(const std::string& bytes)
     return "read";
 }
 
-TEST(MeasuredFile, BrokenOnesAreToldWithTheirPlace)
+TEST(MeasuredFile, ErrorsNameTheirPlace)
 {
     const auto broken = [](const std::function<void(File&)>& breaks, bool spectral = false) {
         File file = file_of(spectral);

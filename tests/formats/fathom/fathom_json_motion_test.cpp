@@ -80,7 +80,7 @@ TEST(Pose, OfTransforms)
     }
 }
 
-TEST(Pose, TurnsSteadilyAndTheShorterWay)
+TEST(Pose, RotatesUniformlyAlongTheShorterArc)
 {
     const Pose a = pose_of(Transform::rotate({0, 0, 1}, 3)), b = pose_of(Transform::rotate({0, 0, 1}, -3));
     for (double f : {0.0, 0.25, 0.5, 1.0}) {

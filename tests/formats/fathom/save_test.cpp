@@ -18,12 +18,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-std::string bytes_of(const fs::path& file)
-{
-    std::ifstream in(file, std::ios::binary);
-    return {std::istreambuf_iterator<char>(in), {}};
-}
-
 void expect_same_files(const std::map<std::string, std::string>& a, const std::map<std::string, std::string>& b)
 {
     for (const auto& [name, bytes] : a) EXPECT_TRUE(b.contains(name) && b.at(name) == bytes) << name;
@@ -505,7 +499,7 @@ TEST_F(Save, AxesOfCameras)
 
 // -------------------------------------------------------------------------------------- scenes that can't be saved
 
-TEST_F(Save, WhatNoFileCanSayIsTold)
+TEST_F(Save, ReportsWhatFilesCannotExpress)
 {
     SceneDescription scene;
     scene.images.push_back({"unused", "unused.png", {}});
@@ -539,7 +533,7 @@ std::string error_of_saving(const SceneDescription& scene, const fs::path& file)
     return "written";
 }
 
-TEST_F(Save, NothingThatItWasReadFromIsOverwritten)
+TEST_F(Save, NeverOverwritesItsSources)
 {
     SceneDescription scene;
     scene.meshes = {triangle()};

@@ -16,12 +16,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-std::string bytes_of(const fs::path& file)
-{
-    std::ifstream in(file, std::ios::binary);
-    return {std::istreambuf_iterator<char>(in), {}};
-}
-
 std::uint32_t word_of(const std::string& bytes, std::size_t at)
 {
     std::uint32_t word = 0;
@@ -45,7 +39,7 @@ protected:
         const std::string bytes = bytes_of(folder_ / name);
         return Json::parse(bytes.substr(20, word_of(bytes, 12)));
     }
-    bool is_told(const std::string& what) const
+    bool has_warning(const std::string& what) const
     {
         return std::any_of(told_.counts().begin(), told_.counts().end(),
                            [&](const auto& told) { return told.first.find(what) != std::string::npos; });
@@ -154,7 +148,7 @@ TEST_F(SaveGlb, TwoRoughnesses)
     }
     EXPECT_EQ(again.materials[0].anisotropy_rotation, 0);
     EXPECT_NEAR(again.materials[1].anisotropy_rotation, 1.5707963268, 1e-6);
-    EXPECT_TRUE(is_told("separable masking-shadowing"));
+    EXPECT_TRUE(has_warning("separable masking-shadowing"));
 }
 
 /// A diffuse room keeps its mean radiance; samples differ because rectangles become triangles.
@@ -191,7 +185,7 @@ TEST_F(SaveGlb, PlacesLightsAndCameras)
         std::find_if(json["nodes"].begin(), json["nodes"].end(), [](const Json& n) { return n.contains("camera"); });
     ASSERT_NE(camera, json["nodes"].end());
     EXPECT_EQ((*camera)["matrix"], (Json{-1, 0, 0, 0, 0, 1, 0, 0, 0, 0, -1, 0, 1, 2, 3, 1}));
-    EXPECT_TRUE(is_told("spheres are written as triangles"));
+    EXPECT_TRUE(has_warning("spheres are written as triangles"));
 }
 
 /// glTF has no image-textured lights, so they are reported.
@@ -208,7 +202,7 @@ TEST_F(SaveGlb, TellsOfPicturesOfLights)
     EXPECT_EQ(again.lights[0].intensity, (Color{8, 4, 2}));
     EXPECT_EQ(again.lights[1].kind, LightKind::point);
     EXPECT_NEAR(again.lights[1].intensity.g, 1, 1e-6);
-    EXPECT_TRUE(is_told("light images are not written"));
+    EXPECT_TRUE(has_warning("light images are not written"));
 }
 
 /// The byte layout follows the GLB specification.
@@ -248,7 +242,7 @@ TEST_F(SaveGlb, WhatGltfCanNotSay)
     for (const char* what :
          {"environment", "render settings", "material 'a': glTF can't express a procedural texture",
           "material 'b': glTF can't express subsurface", "material 'b': glTF can't express a coat's color"})
-        EXPECT_TRUE(is_told(what)) << what;
+        EXPECT_TRUE(has_warning(what)) << what;
     EXPECT_EQ(again.materials[0].base_color.value, (Color{0.25f, 0.5f, 0.125f})) << "its mean";
     EXPECT_EQ(again.environment.kind, EnvironmentKind::none);
 }

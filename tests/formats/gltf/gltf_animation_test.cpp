@@ -335,7 +335,7 @@ TEST_F(GltfAnimation, IsFoundByNameOrNumber)
 }
 
 /// A model inside a scene is shown in its rest pose, with a warning.
-TEST_F(GltfAnimation, OfModelsWithinScenesAreTold)
+TEST_F(GltfAnimation, ReportsAnimationsOfModelsWithinScenes)
 {
     GltfBuilder b;
     const int mesh = b.triangle(), times = b.floats({0, 1}, "SCALAR"), values = b.floats({0, 0, 0, 1, 1, 1}, "VEC3");

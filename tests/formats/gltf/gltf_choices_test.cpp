@@ -59,7 +59,7 @@ std::string picture_of(const std::function<SceneDescription(const std::string&)>
     return shown < 0 ? "none" : scene.images.at(std::size_t(scene.textures.at(std::size_t(shown)).image)).name;
 }
 
-TEST_F(GltfChoices, PicturesInNewerFormatsStandBeforeTheOldOne)
+TEST_F(GltfChoices, PrefersImagesInNewerFormats)
 {
     const auto read = [&](const std::string& gltf) { return load("a.gltf", gltf); };
     const std::string webp = R"("EXT_texture_webp": {"source": 1})", avif = R"("EXT_texture_avif": {"source": 2})";
@@ -71,7 +71,7 @@ TEST_F(GltfChoices, PicturesInNewerFormatsStandBeforeTheOldOne)
     EXPECT_TRUE(warnings_.empty());
 }
 
-TEST_F(GltfChoices, VariantsTakeTheirMaterials)
+TEST_F(GltfChoices, AppliesMaterialVariants)
 {
     const std::string gltf = two_variants(mappings);
     EXPECT_EQ(material_of("", gltf), "blue");

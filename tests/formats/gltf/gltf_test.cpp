@@ -18,7 +18,7 @@ protected:
         EXPECT_EQ(scene.meshes.size(), 1u);
         return scene.meshes.empty() ? Mesh{} : scene.meshes[0];
     }
-    std::size_t warnings_with(const std::string& words) const
+    std::size_t warning_count(const std::string& words) const
     {
         std::size_t count = 0;
         for (const auto& [message, times] : warnings_.counts())
@@ -117,7 +117,7 @@ TEST_F(Gltf, PrimitiveModes)
         return scene.meshes.empty() ? std::vector<std::uint32_t>{} : scene.meshes[0].indices;
     };
     EXPECT_EQ(indices_of(4), (std::vector<std::uint32_t>{0, 1, 2}));  // two extra indices are ignored
-    EXPECT_EQ(warnings_with("don't complete a triangle"), 2u);
+    EXPECT_EQ(warning_count("don't complete a triangle"), 2u);
     EXPECT_EQ(indices_of(5), (std::vector<std::uint32_t>{0, 1, 2, 1, 3, 2, 2, 3, 4}));
     EXPECT_EQ(indices_of(6), (std::vector<std::uint32_t>{0, 1, 2, 0, 2, 3, 0, 3, 4}));
     for (int mode : {0, 1, 2, 3}) EXPECT_TRUE(indices_of(mode).empty());
@@ -155,7 +155,7 @@ TEST_F(Gltf, PointsAndLines)
     };
     EXPECT_TRUE(warnings_.empty());
     expect_lines(1, {2, 2}, {3, 0, 0});
-    EXPECT_EQ(warnings_with("don't complete a line"), 1u);
+    EXPECT_EQ(warning_count("don't complete a line"), 1u);
     expect_lines(2, {6}, {0, 0, 12});
     expect_lines(3, {5}, {0, 4, 0});
 }
@@ -172,7 +172,7 @@ TEST_F(Gltf, PointsAndLinesThatAreNotFinite)
     EXPECT_EQ(load_mode(0).points.at(0).centers.size(), 3u);
     EXPECT_EQ(load_mode(1).curves.at(0).counts, (std::vector<std::uint32_t>{2}));
     EXPECT_EQ(load_mode(3).curves.at(0).counts, (std::vector<std::uint32_t>{3}));
-    EXPECT_EQ(warnings_with("points that are not finite"), 3u);
+    EXPECT_EQ(warning_count("points that are not finite"), 3u);
 }
 
 TEST_F(Gltf, OnlyTheVerticesOfThePrimitiveAreKept)
@@ -276,7 +276,7 @@ TEST_F(Gltf, MaterialsAndTextures)
     EXPECT_EQ(scene.materials[5].alpha.value, 1);  // opaque mode ignores alpha
     EXPECT_EQ(scene.materials[4].base_color.value, (Color{1, 1, 1}));
     EXPECT_EQ(scene.materials[4].metallic.value, 1);
-    EXPECT_EQ(warnings_with("VENDOR_fur"), 1u);
+    EXPECT_EQ(warning_count("VENDOR_fur"), 1u);
     EXPECT_EQ(warnings_.counts().size(), 1u);
 }
 
@@ -323,9 +323,9 @@ TEST_F(Gltf, RangeOfLightsIsReported)
                            first, second);
     };
     load("a.gltf", file(R"({"type": "point"})", R"({"type": "directional", "range": 3})"));
-    EXPECT_EQ(warnings_with("range"), 0u);
+    EXPECT_EQ(warning_count("range"), 0u);
     load("b.gltf", file(R"({"type": "point", "range": 2})", R"({"type": "spot", "range": 3, "spot": {}})"));
-    EXPECT_EQ(warnings_with("range"), 2u);
+    EXPECT_EQ(warning_count("range"), 2u);
     EXPECT_EQ(warnings_.counts().size(), 1u);
 }
 

@@ -161,7 +161,7 @@ TEST_F(Growth, NestedTransformsAreRefused)
               "loaded");
 }
 
-TEST_F(Growth, InvisibleLeavesAreNotSeen)
+TEST_F(Growth, InvisibleLeavesAreNotRendered)
 {
     const SceneDescription scene =
         load("a.gltf", R"({"asset": {"version": "2.0"}, "extensionsUsed": ["KHR_node_visibility"], "cameras": [{"type":
@@ -210,7 +210,7 @@ TEST_F(Growth, CopiesOfAModelAreLookedAtBeforeTheyAreMade)
     EXPECT_NE(error.find("a copy of the model with other materials needs "), std::string::npos) << error;
 }
 
-TEST(JsonObjects, FindTheirKeysHoweverManyThereAre)
+TEST(JsonObjects, FindKeysAmongMany)
 {
     std::string text = "{";
     for (int i = 0; i < 1000; ++i) text += fmt::format("{}\"k{}\": {}", i ? "," : "", i * 7919 % 1000, i);

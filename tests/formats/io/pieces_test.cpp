@@ -23,7 +23,7 @@ namespace {
 class Pieces : public ImportTest {};
 
 /// Pseudorandom numbers, the same on every run.
-class Chance {
+class RandomNumbers {
 public:
     std::uint32_t operator()(std::uint32_t below)
     {
@@ -67,7 +67,7 @@ struct Large {
 Large large_obj(int patches)
 {
     Large file;
-    Chance chance;
+    RandomNumbers chance;
     std::vector<std::array<float, 3>> positions, normals;
     std::vector<std::array<float, 2>> uvs;
     std::string object = "start";

@@ -18,7 +18,7 @@ protected:
             text.replace(at, 1, end);
         return text;
     }
-    std::size_t warnings_with(const std::string& words) const
+    std::size_t warning_count(const std::string& words) const
     {
         std::size_t count = 0;
         for (const auto& [message, times] : warnings_.counts())
@@ -75,7 +75,7 @@ TEST_F(TextFiles, AMarkAndAnyEndOfLines)
             write("b.ply", text(ply));
             EXPECT_EQ(corners(load("a.xml", text(mitsuba))), triangle);
         }
-    EXPECT_EQ(warnings_with(""), 0u) << warnings_.counts().begin()->first;
+    EXPECT_EQ(warning_count(""), 0u) << warnings_.counts().begin()->first;
 }
 
 /// Encodes each character as two bytes.
@@ -184,9 +184,9 @@ TEST_F(TextFiles, CommentsBehindEveryLineOfAnObj)
         EXPECT_EQ(picture(red.base_color.texture), "wood.png");
         EXPECT_EQ(picture(red.alpha.texture), "no#comment.png");
     }
-    EXPECT_EQ(warnings_with("missing"), 0u);
-    EXPECT_EQ(warnings_with("no material"), 0u);
-    EXPECT_EQ(warnings_with("not recognized"), 0u);
+    EXPECT_EQ(warning_count("missing"), 0u);
+    EXPECT_EQ(warning_count("no material"), 0u);
+    EXPECT_EQ(warning_count("not recognized"), 0u);
 }
 
 }  // namespace

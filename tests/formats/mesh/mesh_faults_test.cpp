@@ -24,7 +24,7 @@ protected:
     }
 };
 
-TEST_F(MeshFaultsTest, NumbersAsPeopleWriteThem)
+TEST_F(MeshFaultsTest, FormatsLargeNumbers)
 {
     EXPECT_EQ(thousands_separated(0), "0");
     EXPECT_EQ(thousands_separated(999), "999");
@@ -33,7 +33,7 @@ TEST_F(MeshFaultsTest, NumbersAsPeopleWriteThem)
 }
 
 /// One warning for each kind of fault per file, including the files that a scene refers to.
-TEST_F(MeshFaultsTest, OneLineForAKindAndAFile)
+TEST_F(MeshFaultsTest, OneLinePerKindAndFile)
 {
     const std::string flat = "v 0 0 0\nv 1 0 0\nv 2 0 0\nv 0 1 0\n", faces = "f 1 2 3\nf 1 2 4\nf 1 1 2\n";
     const std::string faulty = flat + "o a\n" + faces + "o b\n" + faces;
@@ -73,7 +73,7 @@ TEST_F(MeshFaultsTest, OneLineForAKindAndAFile)
 }
 
 /// Missing materials and unsupported elements also give one warning for each kind.
-TEST_F(MeshFaultsTest, OneLineForAKindOfMaterial)
+TEST_F(MeshFaultsTest, OneLinePerKindOfMaterial)
 {
     const std::string triangle = "v 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl x\nf 1 2 3\n";
     EXPECT_EQ(warnings_of(write("a.obj", triangle + triangle)),

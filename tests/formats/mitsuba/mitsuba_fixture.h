@@ -1,14 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Fixture of the Mitsuba import tests.
-#include <numbers>
 #include <string>
 
 #include "formats/import_test_helpers.h"
 
 namespace fathom::test {
-
-inline constexpr double degree = std::numbers::pi / 180;
 
 class Mitsuba : public ImportTest {
 protected:
@@ -18,12 +15,6 @@ protected:
     }
     SceneDescription read(const std::string& inside) { return load("a.xml", scene_of(inside)); }
     std::string error(const std::string& inside) { return error_of("a.xml", scene_of(inside)); }
-    bool is_told(const std::string& words) const
-    {
-        for (const auto& [message, times] : warnings_.counts())
-            if (message.find(words) != std::string::npos) return true;
-        return false;
-    }
     /// Material of the only shape.
     static const Material& material_of(const SceneDescription& scene)
     {
@@ -41,12 +32,5 @@ protected:
 
 inline constexpr const char* wide_film =
     R"(<film type="hdrfilm"><integer name="width" value="200"/><integer name="height" value="100"/></film>)";
-
-inline void expect_color(const Color& c, double r, double g, double b, double tolerance = 1e-6)
-{
-    EXPECT_NEAR(c.r, r, tolerance);
-    EXPECT_NEAR(c.g, g, tolerance);
-    EXPECT_NEAR(c.b, b, tolerance);
-}
 
 }  // namespace fathom::test

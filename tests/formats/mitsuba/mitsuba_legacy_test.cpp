@@ -7,7 +7,7 @@
 namespace fathom::test {
 namespace {
 
-class OldMitsuba : public Mitsuba {
+class MitsubaLegacy : public Mitsuba {
 protected:
     static std::string old_scene_of(const std::string& inside)
     {
@@ -24,7 +24,7 @@ protected:
     SceneDescription scene_;
 };
 
-TEST_F(OldMitsuba, Names)
+TEST_F(MitsubaLegacy, Names)
 {
     const SceneDescription scene = read_old(R"(<sensor type="perspective"><string name="fovAxis" value="y"/>
 <float name="fov" value="50"/><transform name="toWorld"><lookAt origin="0,0,5" target="0,0,0" up="0,1,0"/></transform></sensor>)");
@@ -34,21 +34,21 @@ TEST_F(OldMitsuba, Names)
         old_bsdf(R"(<bsdf type="dielectric"><float name="intIOR" value="2"/><float name="extIOR" value="1"/></bsdf>)")
             .ior,
         2, 1e-6)
-        << "capitals that stand together are one word";
+        << "adjacent capitals form one word";
     expect_color(
         old_bsdf(R"(<bsdf type="diffuse"><rgb name="diffuseReflectance" value="1 0 0"/></bsdf>)").base_color.value, 1,
         0, 0);
 }
 
 /// A default named photonCount defines `$photonCount`.
-TEST_F(OldMitsuba, DefaultsKeepTheirNames)
+TEST_F(MitsubaLegacy, DefaultsKeepTheirNames)
 {
     const SceneDescription scene = read_old(R"(<default name="maxDepth" value="7"/>
 <integrator type="path"><integer name="maxDepth" value="$maxDepth"/></integrator>)");
     EXPECT_EQ(scene.hints.max_depth, 6);
 }
 
-TEST_F(OldMitsuba, OneNumberIsWhiteAndSrgbIsEncoded)
+TEST_F(MitsubaLegacy, OneNumberIsWhiteAndSrgbIsEncoded)
 {
     const auto radiance = [&](const std::string& value) {
         return old_bsdf("<emitter type=\"area\">" + value + "</emitter>").emission.value;
@@ -59,7 +59,7 @@ TEST_F(OldMitsuba, OneNumberIsWhiteAndSrgbIsEncoded)
     expect_color(radiance(R"(<srgb name="radiance" value="0.5, 0.5, 1"/>)"), 0.2140411, 0.2140411, 1);
 }
 
-TEST_F(OldMitsuba, TexturesAreScaledThenMoved)
+TEST_F(MitsubaLegacy, TexturesAreScaledThenMoved)
 {
     write("t.png", "");
     const auto textured = [](const std::string& more) {
@@ -87,7 +87,7 @@ TEST_F(OldMitsuba, TexturesAreScaledThenMoved)
     EXPECT_EQ(space("2.2"), ColorSpace::srgb);
 }
 
-TEST_F(OldMitsuba, SkiesHaveYUp)
+TEST_F(MitsubaLegacy, SkiesHaveYUp)
 {
     const SceneDescription scene =
         read_old(R"(<emitter type="sunsky"><vector name="sunDirection" x="0.6" y="0.8" z="0"/>
@@ -99,7 +99,7 @@ TEST_F(OldMitsuba, SkiesHaveYUp)
 }
 
 /// The sky's axes are +x east and -z north, rotated by `toWorld`.
-TEST_F(OldMitsuba, SunOfADate)
+TEST_F(MitsubaLegacy, SunByDate)
 {
     const auto sun = [&](const std::string& inside) {
         const SceneDescription scene = read_old("<emitter type=\"sky\">" + inside + "</emitter>");
@@ -117,7 +117,7 @@ TEST_F(OldMitsuba, SunOfADate)
               std::string::npos);
 }
 
-TEST_F(OldMitsuba, PhongAndWardAreTwoMaterials)
+TEST_F(MitsubaLegacy, PhongAndWardAreTwoMaterials)
 {
     const Material phong = old_bsdf(R"(<bsdf type="phong"><float name="exponent" value="20"/>
 <rgb name="diffuseReflectance" value="0.4 0.2 0"/><rgb name="specularReflectance" value="0.2 0.1 0"/></bsdf>)");
@@ -128,7 +128,7 @@ TEST_F(OldMitsuba, PhongAndWardAreTwoMaterials)
     expect_color(gloss.coat_color.value, 1, 0.5, 0);
     EXPECT_NEAR(std::pow(gloss.roughness.value, 4), 2.0 / 82, 1e-6);
     EXPECT_TRUE(body.one_sided && gloss.one_sided);
-    EXPECT_TRUE(is_told("is approximated by a mix of a diffuse material and rough metal"));
+    EXPECT_TRUE(has_warning("is approximated by a mix of a diffuse material and rough metal"));
     const Material ward = old_bsdf(R"(<bsdf type="ward"><spectrum name="diffuseReflectance" value="0"/>
 <rgb name="specularReflectance" value="0.6 0.4 0.3"/><float name="alpha" value="0.25"/></bsdf>)");
     EXPECT_EQ(ward.kind, MaterialKind::principled) << "nothing of it is diffuse";
@@ -139,7 +139,7 @@ TEST_F(OldMitsuba, PhongAndWardAreTwoMaterials)
     expect_color(matt.base_color.value, 0.5, 0.5, 0.5);
 }
 
-TEST_F(OldMitsuba, OtherBsdfs)
+TEST_F(MitsubaLegacy, OtherBsdfs)
 {
     const Material rough = old_bsdf(R"(<bsdf type="roughdiffuse"><float name="alpha" value="0.5"/></bsdf>)");
     EXPECT_EQ(rough.kind, MaterialKind::diffuse);
@@ -165,7 +165,7 @@ TEST_F(OldMitsuba, OtherBsdfs)
     const Material coated =
         old_bsdf(R"(<bsdf type="coating"><float name="intIOR" value="1.7"/>)" + diffuse("0.7") + "</bsdf>");
     expect_color(coated.base_color.value, 0.7, 0, 0);
-    EXPECT_TRUE(is_told("is not supported: its nested bsdf is used"));
+    EXPECT_TRUE(has_warning("is not supported: its nested bsdf is used"));
 }
 
 }  // namespace

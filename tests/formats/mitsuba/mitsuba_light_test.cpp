@@ -62,7 +62,7 @@ TEST_F(Mitsuba, DirectionalArea)
     expect_near(place_of(0).point({1, 1, 0}), {5, 3, -2});
     expect_near(place_of(1).vector({0, 0, -1}), {0, 0, -1});
     expect_color(material_of(scene).emission.value, 0, 0, 0);
-    EXPECT_TRUE(is_told("on rectangles and disks only"));
+    EXPECT_TRUE(has_warning("on rectangles and disks only"));
 }
 
 /// A projector's image is upright when looking along +z with +y up; a spot light's texture is rotated by 180 degrees.
@@ -107,7 +107,7 @@ TEST_F(Mitsuba, EmittersWithPictures)
 
     scene = read(R"(<emitter type="spot"><texture type="checkerboard" name="texture"/></emitter>)");
     EXPECT_EQ(scene.lights.at(0).picture.image, -1);
-    EXPECT_TRUE(is_told("a light's image must be a bitmap"));
+    EXPECT_TRUE(has_warning("a light's image must be a bitmap"));
     EXPECT_NE(error(R"(<emitter type="projector"><float name="fov" value="180"/></emitter>)").find("'fov' must be"),
               std::string::npos);
     EXPECT_NE(error(R"(<emitter type="projector"><string name="focal_length" value="-3mm"/></emitter>)")
@@ -129,7 +129,7 @@ TEST_F(Mitsuba, EnvironmentMaps)
 }
 
 /// Values of Mitsuba 3.9.1 to 0.2 degrees: +x is south, +y west, +z up.
-TEST_F(Mitsuba, SunOfADate)
+TEST_F(Mitsuba, SunByDate)
 {
     const auto sun = [&](const std::string& inside) {
         const SceneDescription scene = read("<emitter type=\"sky\">" + inside + "</emitter>");
@@ -180,7 +180,7 @@ TEST_F(Mitsuba, SkyWithItsSun)
 }
 
 /// Values of Mitsuba 3.9.1's `llvm_ad_rgb` variant.
-TEST(MitsubaSpectra, AsColours)
+TEST(MitsubaSpectra, AsColors)
 {
     const std::vector<SpectrumPoint> points = {{400, 0.1}, {500, 0.5}, {600, 0.9}, {700, 0.3}};
     expect_color(color_of_surface(points), 0.854797, 0.68754, 0.265015, 0.02);

@@ -34,13 +34,13 @@ TEST_F(Mitsuba, InteriorsBehindNull)
     EXPECT_EQ(m.kind, MaterialKind::glass);
     EXPECT_EQ(m.ior, 1);
     EXPECT_NEAR(m.transmission_scatter.r / m.attenuation_distance, 2 * 0.75, 1e-4);
-    EXPECT_FALSE(is_told("solid of index 1"));
+    EXPECT_FALSE(has_warning("solid of index 1"));
     const Material sheet =
         material_of(read(fmt::format(R"(<shape type="sphere"><bsdf type="thindielectric"/>{})", medium)));
     EXPECT_TRUE(sheet.thin);
     EXPECT_NEAR(sheet.transmission_scatter.r / sheet.attenuation_distance, 2 * 0.75, 1e-4);
     read(fmt::format(R"(<shape type="sphere"><bsdf type="diffuse"/>{})", medium));
-    EXPECT_TRUE(is_told("is supported inside glass only"));
+    EXPECT_TRUE(has_warning("is supported inside glass only"));
 }
 
 constexpr const char* fog = R"(<medium type="homogeneous" id="fog"><float name="sigma_t" value="2"/></medium>)";
@@ -66,7 +66,7 @@ TEST_F(Mitsuba, MediumAroundTheCamera)
     EXPECT_NEAR(-std::log(m.attenuation_color.r) / m.attenuation_distance, 2, 1e-4);
     EXPECT_NEAR(m.transmission_scatter.r / m.attenuation_distance, 2 * 0.75, 1e-4);
     read(std::string(fog) + camera_in_fog + R"(<emitter type="constant"/>)");
-    EXPECT_TRUE(is_told("the environment is outside"));
+    EXPECT_TRUE(has_warning("the environment is outside"));
 }
 
 TEST_F(Mitsuba, MediaOutsideOfShapes)
@@ -74,10 +74,10 @@ TEST_F(Mitsuba, MediaOutsideOfShapes)
     const std::string shape =
         R"(<shape type="sphere"><bsdf type="dielectric"/><ref name="exterior" id="fog"/></shape>)";
     EXPECT_EQ(read(fog + shape).nodes.size(), 1u);
-    EXPECT_TRUE(is_told("surrounds shapes, but is neither inside a shape nor around the camera"));
+    EXPECT_TRUE(has_warning("surrounds shapes, but is neither inside a shape nor around the camera"));
     warnings_ = {};
     read(fog + shape + R"(<shape type="cube"><bsdf type="null"/><ref name="interior" id="fog"/></shape>)");
-    EXPECT_TRUE(warnings_.counts().empty()) << "another shape has it inside";
+    EXPECT_TRUE(warnings_.counts().empty()) << "the medium is used by another shape";
 }
 
 }  // namespace

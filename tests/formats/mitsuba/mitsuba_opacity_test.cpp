@@ -64,7 +64,8 @@ TEST_F(MitsubaOpacity, EmissionIsNotScaled)
 TEST_F(MitsubaOpacity, MasksMultiply)
 {
     EXPECT_NEAR(bsdf(masked("0.5", masked("0.6", red))).alpha.value, 0.3, 1e-6);
-    EXPECT_EQ(bsdf(masked("0.5", R"(<bsdf type="null"/>)")).alpha.value, 0) << "half of nothing is nothing";
+    EXPECT_EQ(bsdf(masked("0.5", R"(<bsdf type="null"/>)")).alpha.value, 0)
+        << "a masked null bsdf is fully transparent";
     const SceneDescription scene = plate("<bsdf type=\"mask\">" + picture("opacity") + "<bsdf type=\"mask\">" +
                                          picture("opacity", raw) + red + "</bsdf></bsdf>");
     const FloatInput& alpha = material_of(scene).alpha;
@@ -184,7 +185,7 @@ TEST_F(MitsubaOpacity, NormalMapsAreDecoded)
     EXPECT_EQ(space(raw), ColorSpace::linear);
     EXPECT_TRUE(warnings_.empty());
     EXPECT_EQ(space(""), ColorSpace::srgb);
-    EXPECT_TRUE(is_told("most normal maps need 'raw' to be true"));
+    EXPECT_TRUE(has_warning("most normal maps need 'raw' to be true"));
 }
 
 /// A bump map inside `twosided` changes its sign on the back; one around it applies to both sides alike.

@@ -168,7 +168,7 @@ type="mesh_attribute" name="reflectance"><string name="name" value=")" +
     EXPECT_NE(normal_x(0), normal_x(1));
     EXPECT_TRUE(warnings_.empty());
     EXPECT_TRUE(mesh("face_color").colors.empty());
-    EXPECT_TRUE(is_told("the mesh has no 'face_color'"));
+    EXPECT_TRUE(has_warning("the mesh has no 'face_color'"));
 }
 
 TEST_F(Mitsuba, InstancesShareTheirGroup)
@@ -177,7 +177,7 @@ TEST_F(Mitsuba, InstancesShareTheirGroup)
         read(R"(<shape type="shapegroup" id="g"><shape type="sphere"/><shape type="disk"/></shape>
 <shape type="instance"><ref id="g"/><transform name="to_world"><translate x="1"/></transform></shape>
 <shape type="instance"><ref id="g"/></shape>)");
-    ASSERT_EQ(scene.roots.size(), 2u) << "the group itself is not seen";
+    ASSERT_EQ(scene.roots.size(), 2u) << "the group itself is not rendered";
     const auto& a = scene.nodes.at(std::size_t(scene.roots[0]));
     const auto& b = scene.nodes.at(std::size_t(scene.roots[1]));
     EXPECT_EQ(a.children.size(), 2u);
@@ -279,7 +279,7 @@ TEST_F(Mitsuba, SerializedMeshes)
     const SceneDescription scene =
         read(fmt::format(fmt::runtime(of_serialized), 0) + fmt::format(fmt::runtime(of_serialized), 1) +
              fmt::format(fmt::runtime(of_serialized), 0));
-    ASSERT_EQ(scene.meshes.size(), 2u) << "a mesh that is used twice is there once";
+    ASSERT_EQ(scene.meshes.size(), 2u) << "a mesh that is used twice is stored once";
     EXPECT_EQ(scene.meshes[0].name, "ab");
     EXPECT_EQ(scene.meshes[0].uvs[0].at(0).y, 0.25f);
     EXPECT_EQ(scene.meshes[0].normals.at(2).z, 1);

@@ -38,7 +38,7 @@ TEST_F(Mitsuba, TexturesAsTwoAlphas)
     EXPECT_EQ(m.roughness.texture, -1);
     EXPECT_TRUE(warnings_.empty());
     EXPECT_FALSE(rough("roughdielectric").two_roughnesses);
-    EXPECT_TRUE(is_told("anisotropic roughness of glass"));
+    EXPECT_TRUE(has_warning("anisotropic roughness of glass"));
 }
 
 /// Internal diffuse reflectance, derived from Mitsuba 3.9.1's images of roughplastic with two diffuse colors.
@@ -220,7 +220,7 @@ TEST_F(Mitsuba, Hair)
     expect_color(bsdf(R"(<bsdf type="hair"><rgb name="sigma_a" value="3 4 5"/></bsdf>)").absorption.value, 3, 4, 5);
 }
 
-TEST_F(Mitsuba, MasksAndNothing)
+TEST_F(Mitsuba, MasksAndNullBsdfs)
 {
     const Material mask =
         bsdf(R"(<bsdf type="mask"><float name="opacity" value="0.25"/><bsdf type="diffuse"/></bsdf>)");

@@ -10,16 +10,7 @@
 namespace fathom::test {
 namespace {
 
-class Obj : public ImportTest {
-protected:
-    std::size_t warnings_with(const std::string& words) const
-    {
-        std::size_t count = 0;
-        for (const auto& [message, times] : warnings_.counts())
-            if (message.find(words) != std::string::npos) count += times;
-        return count;
-    }
-};
+class Obj : public ImportTest {};
 
 constexpr const char* square = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
 
@@ -112,14 +103,14 @@ TEST_F(Obj, LinesThatGoOnAndOtherHabits)
                                         "# a comment \\\nv 0 0 \\\n0\r\nv +1 0 0\r\nv 1 1 0 1.0\n\tv   0 1e0 -0.0 \n\n"
                                         "g some group\ns 1\nf 1 2 \\\n 3 4 # the end\nl 1 2\np 1\ncurv 0 1\nwhat 3\n");
     EXPECT_EQ(scene.meshes.at(0).indices.size(), 6u);
-    EXPECT_EQ(warnings_with("line elements are ignored"), 1u);
+    EXPECT_EQ(warning_count("line elements are ignored"), 1u);
     EXPECT_EQ(scene.points.at(0).centers.size(), 1u);
-    EXPECT_EQ(warnings_with("free-form"), 1u);
-    EXPECT_EQ(warnings_with("not recognized"), 1u);
+    EXPECT_EQ(warning_count("free-form"), 1u);
+    EXPECT_EQ(warning_count("not recognized"), 1u);
 }
 
 /// Vertex colors are sRGB, as in Blender, Godot and MeshLab: 0.5 decodes to 0.2140.
-TEST_F(Obj, VertexColours)
+TEST_F(Obj, VertexColors)
 {
     const SceneDescription scene = load("a.obj", "v 0 0 0 1 0 0.5\nv 1 0 0 0 1 0.02\nv 0 1 0\nf 1 2 3\n");
     const std::vector<Vec4f>& colors = scene.meshes.at(0).colors;
@@ -133,7 +124,7 @@ TEST_F(Obj, VertexColours)
 }
 
 /// Some programs write colors from 0 to 255: the largest value in the file determines the range for the whole file.
-TEST_F(Obj, VertexColoursOfBytes)
+TEST_F(Obj, VertexColorsOfBytes)
 {
     const SceneDescription scene =
         load("a.obj", "v 0 0 0 1 0 0\nv 1 0 0 128 51 0\nv 0 1 0 255 254 0\nv 1 1 0\nf 1 2 3 4\n");
@@ -160,7 +151,7 @@ TEST_F(Obj, OpacityAndTransparency)
             .materials.at(0)
             .alpha.value;
     };
-    const auto contradictions = [&] { return warnings_with("'d' and 'Tr' contradict each other"); };
+    const auto contradictions = [&] { return warning_count("'d' and 'Tr' contradict each other"); };
     for (const char* lines : {"d 1\nTr 1\n", "Tr 1\nd 1\n", "d 1.0\nTr 0.25\n"}) {
         EXPECT_EQ(alpha(lines), 1) << lines;
         EXPECT_EQ(contradictions(), 1u) << lines;
@@ -246,7 +237,7 @@ disp heights.png
                           "usemtl matte\nf 1 2 3\nusemtl shiny\nf 1 2 3\nusemtl matte\nf 1 3 4\no second\nf 1 2 3\n"
                           "usemtl gone\nf 1 2 3\n");
     EXPECT_EQ(scene.meshes.size(), 4u);
-    EXPECT_EQ(warnings_with("no material named 'gone'"), 1u);
+    EXPECT_EQ(warning_count("no material named 'gone'"), 1u);
     const auto material = [&](const std::string& name) {
         for (const Material& m : scene.materials)
             if (m.name == name) return m;
@@ -318,10 +309,10 @@ disp heights.png
     EXPECT_EQ(raised.displacement.value, 1);
     EXPECT_EQ(raised.displacement.channel, 0);
     EXPECT_EQ(raised.displacement_midlevel, 0);
-    EXPECT_EQ(warnings_with("'decal'"), 1u);
+    EXPECT_EQ(warning_count("'decal'"), 1u);
 }
 
-TEST_F(Obj, ANormalThatIsNotThereCostsOnlyItself)
+TEST_F(Obj, IgnoresAMissingNormal)
 {
     const SceneDescription scene =
         load("a.obj", std::string(square) + "vn 0.6 0 0.8\nf 1//1 2//9 3//1\nf 1//1 3//-5 4//0\n");
@@ -334,7 +325,7 @@ TEST_F(Obj, ANormalThatIsNotThereCostsOnlyItself)
         const bool is_given = i == 0 || i == 2 || i == 3;
         expect_near({n.x, n.y, n.z}, is_given ? Vec3d{0.6, 0, 0.8} : Vec3d{0, 0, 1}, 1e-6);
     }
-    EXPECT_EQ(warnings_with("normal indices out of range"), 3u);
+    EXPECT_EQ(warning_count("normal indices out of range"), 3u);
 }
 
 TEST_F(Obj, Points)
@@ -379,8 +370,8 @@ TEST_F(Obj, Mistakes)
     EXPECT_EQ(error_of("a.obj", "hello\nworld\n"), "it contains no vertices: is it an OBJ file?");
     warnings_ = {};
     EXPECT_EQ(error_of("a.obj", std::string(square) + "mtllib no.mtl\nf 1 2\nf 1 2 3\n"), "loaded");
-    EXPECT_EQ(warnings_with("'no.mtl' is missing"), 1u);
-    EXPECT_EQ(warnings_with("fewer than three vertices"), 1u);
+    EXPECT_EQ(warning_count("'no.mtl' is missing"), 1u);
+    EXPECT_EQ(warning_count("fewer than three vertices"), 1u);
 }
 
 }  // namespace

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Fixture of the pbrt import tests.
-#include <numbers>
 #include <stdexcept>
 #include <string>
 
@@ -9,19 +8,11 @@
 
 namespace fathom::test {
 
-inline constexpr double degree = std::numbers::pi / 180;
-
 class Pbrt : public ImportTest {
 protected:
     /// A scene with this text after WorldBegin.
     SceneDescription world(const std::string& inside) { return load("a.pbrt", "WorldBegin\n" + inside); }
     std::string error(const std::string& inside) { return error_of("a.pbrt", "WorldBegin\n" + inside); }
-    bool is_told(const std::string& words) const
-    {
-        for (const auto& [message, times] : warnings_.counts())
-            if (message.find(words) != std::string::npos) return true;
-        return false;
-    }
     static const Shape& shape_of(const SceneDescription& scene)
     {
         for (const Node& node : scene.nodes)
@@ -47,13 +38,6 @@ protected:
         return scene.nodes.at(node).parent_from_node.point({0, 0, 0});
     }
 };
-
-inline void expect_color(const Color& c, double r, double g, double b, double tolerance = 1e-6)
-{
-    EXPECT_NEAR(c.r, r, tolerance);
-    EXPECT_NEAR(c.g, g, tolerance);
-    EXPECT_NEAR(c.b, b, tolerance);
-}
 
 inline constexpr const char* triangle = R"("point3 P" [ 0 0 0 1 0 0 0 1 0 ] "integer indices" [ 0 1 2 ])";
 

@@ -81,14 +81,14 @@ TEST_F(Pbrt, CompressedScenesAreRead)
     EXPECT_EQ(error_of(folder_ / "b.pbrt.gz"), "the compressed data is damaged or truncated");
 }
 
-TEST_F(Pbrt, WhatNobodyReadsIsTold)
+TEST_F(Pbrt, ReportsUnknownParameters)
 {
     world("Shape \"sphere\" \"float radius\" 2\n  \"float colour\" 3");
-    EXPECT_TRUE(is_told("a.pbrt: line 3, column 3: Shape 'sphere': the parameter 'colour' is ignored"));
+    EXPECT_TRUE(has_warning("a.pbrt: line 3, column 3: Shape 'sphere': the parameter 'colour' is ignored"));
     EXPECT_EQ(warnings_.counts().size(), 1u);
 }
 
-TEST_F(Pbrt, MistakesAreToldWithTheirPlace)
+TEST_F(Pbrt, ErrorsNameTheirPlace)
 {
     EXPECT_EQ(error("Shape \"sphere\"\n AttributeBegin"),
               "line 3, column 2: AttributeBegin has no matching AttributeEnd");
@@ -178,7 +178,7 @@ TEST_F(Pbrt, CamerasHaveLensesAndWindows)
     // The image of a spherical camera is mirrored.
     EXPECT_EQ(load("a.pbrt", "Camera \"spherical\" WorldBegin Shape \"sphere\"").roots.size(), 1u + 1u);
     camera("Camera \"realistic\" \"string lensfile\" \"a.dat\"");
-    EXPECT_TRUE(is_told("the lens is approximated by a thin lens"));
+    EXPECT_TRUE(has_warning("the lens is approximated by a thin lens"));
 }
 
 /// Upper right quarter of a 400 x 200 film that shows -2 to 2 and -1 to 1.
@@ -215,7 +215,7 @@ TEST_F(Pbrt, FilmsAndIntegratorsAreHints)
     for (const char* words :
          {"is not supported: 'rgb' is used", "the sensor 'canon_eos_5d'",
           "filters with negative lobes are not supported", "is not supported: path tracing is used"})
-        EXPECT_TRUE(is_told(words)) << words;
+        EXPECT_TRUE(has_warning(words)) << words;
     EXPECT_FALSE(scene.hints.white_balance);
     EXPECT_EQ(load("a.pbrt", R"(Camera "perspective" "float shutterclose" 0.5
 Film "rgb" "float whitebalance" 3200 "float maxcomponentvalue" 10 "float iso" 800)")
@@ -231,9 +231,9 @@ Film "rgb" "float whitebalance" 3200 "float maxcomponentvalue" 10 "float iso" 80
     EXPECT_EQ(filter("\"gaussian\" \"float sigma\" 0.75"), "gaussian 3.00");
     EXPECT_EQ(filter("\"box\" \"float xradius\" 1.5 \"float yradius\" 1.5"), "box 1.50");
     // The clamp limits what the film records, which is four times the radiance.
-    EXPECT_TRUE(is_told("--clamp-indirect 2.5"));
+    EXPECT_TRUE(has_warning("--clamp-indirect 2.5"));
     EXPECT_EQ(load("a.pbrt", "Film \"rgb\" \"float whitebalance\" 500").hints.white_balance, 1000);
-    EXPECT_TRUE(is_told("'whitebalance' is out of range: 1000 K is used"));
+    EXPECT_TRUE(has_warning("'whitebalance' is out of range: 1000 K is used"));
 }
 
 }  // namespace

@@ -69,7 +69,7 @@ LightSource "goniometric" "string filename" "p.png" "float power" 40)");
     EXPECT_NE(error("LightSource \"projection\" \"string filename\" \"p.png\" \"float fov\" 180").find("'fov'"),
               std::string::npos);
     world("LightSource \"projection\" \"string filename\" \"p.png\" \"point3 from\" [ 1 2 3 ]");
-    EXPECT_TRUE(is_told("the parameter 'from' is ignored"));
+    EXPECT_TRUE(has_warning("the parameter 'from' is ignored"));
 }
 
 TEST_F(Pbrt, SpectraOfLightHaveALuminanceOfOne)

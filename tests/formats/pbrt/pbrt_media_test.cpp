@@ -35,10 +35,10 @@ TEST_F(Pbrt, MediaOutsideOfShapes)
 {
     const std::string shape = R"(MediumInterface "" "fog" Material "dielectric" Shape "sphere" "float radius" 0.5 )";
     world(fog + shape);
-    EXPECT_TRUE(is_told("surrounds shapes, but is neither inside a shape nor around the camera"));
+    EXPECT_TRUE(has_warning("surrounds shapes, but is neither inside a shape nor around the camera"));
     warnings_ = {};
     world(fog + shape + R"(MediumInterface "fog" "" Material "interface" Shape "sphere")");
-    EXPECT_TRUE(warnings_.counts().empty()) << "another shape has it inside";
+    EXPECT_TRUE(warnings_.counts().empty()) << "the medium is used by another shape";
     EXPECT_NE(error(R"(MediumInterface "" "mist" Shape "sphere")").find("there is no medium 'mist'"),
               std::string::npos);
 }

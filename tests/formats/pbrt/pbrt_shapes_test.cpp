@@ -40,11 +40,11 @@ TEST_F(Pbrt, EncodingsOfPictures)
     };
     EXPECT_EQ(space("sRGB"), ColorSpace::srgb);
     EXPECT_EQ(space("gamma 1"), ColorSpace::linear);
-    EXPECT_FALSE(is_told("encoding"));
+    EXPECT_FALSE(has_warning("encoding"));
     EXPECT_EQ(space("gamma 2.2"), ColorSpace::srgb);
-    EXPECT_TRUE(is_told("'gamma 2.2' is approximated by 'sRGB': the error is up to 0.009"));
+    EXPECT_TRUE(has_warning("'gamma 2.2' is approximated by 'sRGB': the error is up to 0.009"));
     space("gamma 1.8");
-    EXPECT_TRUE(is_told("'gamma 1.8' is approximated by 'sRGB': the error is up to 0.08"));
+    EXPECT_TRUE(has_warning("'gamma 1.8' is approximated by 'sRGB': the error is up to 0.08"));
     EXPECT_NE(
         error_of("a.pbrt",
                  R"(WorldBegin Texture "t" "spectrum" "imagemap" "string filename" "a.png" "string encoding" "gamma x"
@@ -89,7 +89,7 @@ TEST_F(Pbrt, ProceduralTextures)
             world(fmt::format("Texture \"t\" \"spectrum\" \"{}\" {}\n"
                               "Material \"diffuse\" \"texture reflectance\" \"t\" Shape \"sphere\"",
                               type, parameters))};
-        EXPECT_EQ(is_told("Texture '"), type == "ptex") << type;
+        EXPECT_EQ(has_warning("Texture '"), type == "ptex") << type;
         return t;
     };
     // Reflectance textures that may leave [0, 1] are clamped.
@@ -122,7 +122,7 @@ TEST_F(Pbrt, ProceduralTextures)
     expect_color(mix.base().color_b.value, 1, 0, 0);
     EXPECT_EQ(mix.base().direction, (Vec3d{3, 0, 4}));
     read("ptex", "");
-    EXPECT_TRUE(is_told("Ptex files are not supported"));
+    EXPECT_TRUE(has_warning("Ptex files are not supported"));
 }
 
 /// (s, t) of a texture's mapping at (u, v), computed from its parameters.
@@ -133,7 +133,7 @@ Vec2f mapped(const Texture& t, double u, double v)
     return {float(c * x + s * y) + t.uv_offset.x, float(-s * x + c * y) + t.uv_offset.y};
 }
 
-TEST_F(Pbrt, BilerpGoesFromCornerToCorner)
+TEST_F(Pbrt, BilerpInterpolatesCorners)
 {
     const Textured t{world(R"(Texture "t" "spectrum" "bilerp" "rgb v00" [ 0.1 0 0 ] "rgb v01" [ 0.2 0 0 ]
 "rgb v10" [ 0.3 0 0 ] "rgb v11" [ 0.4 0 0 ] Material "diffuse" "texture reflectance" "t" Shape "sphere")")};
@@ -205,7 +205,7 @@ TEST_F(Pbrt, PicturesAreInvertedAndWrapped)
     const Textured sky{world(R"(Texture "t" "spectrum" "imagemap" "string filename" "a.png" "string wrap"
 "octahedralsphere" Material "diffuse" "texture reflectance" "t" Shape "sphere")")};
     EXPECT_EQ(sky.base().wrap_u, Wrap::octahedral);
-    EXPECT_FALSE(is_told("the wrap"));
+    EXPECT_FALSE(has_warning("the wrap"));
 }
 
 TEST_F(Pbrt, HeightsBendNormals)

@@ -61,11 +61,11 @@ Material "{}" "texture uroughness" "t" "float vroughness" 0.25 "bool remaproughn
     EXPECT_TRUE(m.two_roughnesses);
     EXPECT_GE(m.anisotropy.texture, 0) << "along u, where the tangent is";
     EXPECT_EQ(m.roughness.value, 0.5f);
-    EXPECT_FALSE(is_told("rough"));
+    EXPECT_FALSE(has_warning("rough"));
     EXPECT_FALSE(rough("dielectric").two_roughnesses);
-    EXPECT_TRUE(is_told("anisotropic roughness of glass is not supported: isotropic roughness is used"));
+    EXPECT_TRUE(has_warning("anisotropic roughness of glass is not supported: isotropic roughness is used"));
     EXPECT_FALSE(rough("coateddiffuse").two_roughnesses);
-    EXPECT_TRUE(is_told("anisotropic roughness of the coat is not supported: isotropic roughness is used"));
+    EXPECT_TRUE(has_warning("anisotropic roughness of the coat is not supported: isotropic roughness is used"));
 }
 
 TEST_F(Pbrt, Metals)
@@ -120,7 +120,7 @@ TEST_F(Pbrt, Coats)
     // Refraction widens the lobe of a rough metal; grazing angles outside are not grazing below the coat.
     EXPECT_NEAR(metal.roughness.value, std::sqrt(1.5 * 0.01), 1e-5);
     EXPECT_NEAR(metal.edge_color.value.g, 0.677, 2e-3);
-    EXPECT_TRUE(is_told("interreflection below the coat is not simulated"));
+    EXPECT_TRUE(has_warning("interreflection below the coat is not simulated"));
 }
 
 TEST_F(Pbrt, Glass)
@@ -135,12 +135,12 @@ TEST_F(Pbrt, Glass)
     EXPECT_NEAR(left(green.attenuation_color.b), std::exp(-8), 1e-6);
     EXPECT_EQ(material("Material \"interface\"").alpha.value, 0);
     world(R"(MakeNamedMedium "c" "string type" "cloud" MediumInterface "c" "" Material "interface" Shape "sphere")");
-    EXPECT_TRUE(is_told("Medium 'cloud': is not supported"));
+    EXPECT_TRUE(has_warning("Medium 'cloud': is not supported"));
 }
 
 /// Dispersion from named, tabulated and file spectra: 20 over Abbe's number, (n(587.6 nm) - 1) / (n(486.1 nm) - n(656.3
 /// nm)).
-TEST_F(Pbrt, GlassThatSpreadsColours)
+TEST_F(Pbrt, DispersiveGlass)
 {
     const Material crown = material("Material \"dielectric\" \"spectrum eta\" \"glass-BK7\"");
     EXPECT_EQ(crown.kind, MaterialKind::principled);
@@ -164,9 +164,9 @@ TEST_F(Pbrt, GlassThatSpreadsColours)
 Material "dielectric" "spectrum eta" "glass-SF10")")
                   .attenuation_distance,
               0);
-    EXPECT_FALSE(is_told("dispersion"));
+    EXPECT_FALSE(has_warning("dispersion"));
     EXPECT_NEAR(material("Material \"hair\" \"spectrum eta\" \"glass-BK7\"").hair_ior, 1.5168, 1e-6);
-    EXPECT_TRUE(is_told("only glass supports dispersion"));
+    EXPECT_TRUE(has_warning("only glass supports dispersion"));
 }
 
 TEST_F(Pbrt, DiffuseTransmission)
@@ -179,9 +179,9 @@ TEST_F(Pbrt, DiffuseTransmission)
     expect_color(m.base_color.value, 0.9, 0.6, 0.1);
     expect_color(m.diffuse_transmission_color.value, 0.1, 0.2, 0.8);
     expect_color(material(fmt::format(fmt::runtime(text), 0.5)).diffuse_transmission_color.value, 0.05, 0.1, 0.4);
-    EXPECT_FALSE(is_told("more light than it receives"));
+    EXPECT_FALSE(has_warning("more light than it receives"));
     expect_color(material(fmt::format(fmt::runtime(text), 2)).base_color.value, 1, 1, 0.2);
-    EXPECT_TRUE(is_told("more light than it receives"));
+    EXPECT_TRUE(has_warning("more light than it receives"));
 }
 
 TEST_F(Pbrt, Hair)
@@ -208,7 +208,7 @@ TEST_F(Pbrt, Hair)
     const Material absorbing = material(R"(Material "hair" "rgb sigma_a" [ 0.5 1.5 2.5 ] "rgb color" [ 0.1 0.2 0.3 ])");
     expect_color(absorbing.absorption.value, 0.5, 1.5, 2.5);
     expect_color(absorbing.base_color.value, 1, 1, 1);
-    EXPECT_FALSE(is_told("hair"));
+    EXPECT_FALSE(has_warning("hair"));
 }
 
 /// Media of Jensen et al. 2001, table 1, and of Narasimhan et al. 2006.
@@ -257,7 +257,7 @@ Material "mix" "string materials" [ "{}" "{}" ] "float amount" 0.25)";
     EXPECT_EQ(second.alpha.value, 0.25f);
 }
 
-TEST_F(Pbrt, WhatIsApproximatedIsTold)
+TEST_F(Pbrt, ReportsApproximations)
 {
     const std::pair<const char*, const char*> approximated[] = {
         {"Texture \"t\" \"float\" \"checkerboard\" Material \"hair\" \"texture eumelanin\" \"t\"",
@@ -265,7 +265,7 @@ TEST_F(Pbrt, WhatIsApproximatedIsTold)
         {"Material \"velvet\"", "is not supported: gray diffuse is used"}};
     for (const auto& [text, words] : approximated) {
         material(text);
-        EXPECT_TRUE(is_told(words)) << text;
+        EXPECT_TRUE(has_warning(words)) << text;
     }
     EXPECT_GT(material("Material \"subsurface\"").transmission_scatter.r, 0);
     EXPECT_EQ(material("Material \"subsurface\" \"rgb reflectance\" [ 0.5 0.5 0.5 ]").subsurface.value, 1);

@@ -10,17 +10,8 @@
 namespace fathom::test {
 namespace {
 
-class Ply : public ImportTest {
-protected:
-    std::size_t warnings_with(const std::string& words) const
-    {
-        std::size_t count = 0;
-        for (const auto& [message, times] : warnings_.counts())
-            if (message.find(words) != std::string::npos) count += times;
-        return count;
-    }
-};
-using Stl = Ply;
+class Ply : public ImportTest {};
+class Stl : public ImportTest {};
 
 std::string header(const std::string& format, const std::string& vertex, const std::string& face, int vertices = 4,
                    int faces = 1)
@@ -149,7 +140,7 @@ TEST_F(Ply, BothByteOrdersWithEverything)
     }
 }
 
-TEST_F(Ply, TheFastWayGivesWhatTheSlowOneDoes)
+TEST_F(Ply, FastAndGeneralReadersAgree)
 {
     // An extra property makes faces use the general code path.
     const auto make = [&](bool extra) {
@@ -166,7 +157,7 @@ TEST_F(Ply, TheFastWayGivesWhatTheSlowOneDoes)
     const SceneDescription fast = load("a.ply", make(false)), slow = load("b.ply", make(true));
     EXPECT_EQ(fast.meshes[0].indices, slow.meshes[0].indices);
     EXPECT_EQ(fast.meshes[0].indices.size(), 12u);
-    EXPECT_EQ(warnings_with("fewer than three vertices"), 2u);
+    EXPECT_EQ(warning_count("fewer than three vertices"), 2u);
 }
 
 /// Elements may have any order: a square, a degenerate face of two corners and a triangle, with face colors.
@@ -200,7 +191,7 @@ TEST_F(Ply, FacesBeforeVertices)
         for (std::size_t size = bytes.find("end_header"); size + 1 < bytes.size(); ++size)
             EXPECT_NE(error_of("b.ply", bytes.substr(0, size)), "loaded") << format << size;
     }
-    EXPECT_EQ(warnings_with("fewer than three vertices"), 3u);
+    EXPECT_EQ(warning_count("fewer than three vertices"), 3u);
 }
 
 /// Triangle faces alone, strips, and indices out of range.
@@ -442,13 +433,13 @@ TEST_F(Stl, OddBeginningsAndEnds)
     // Cutting the last number leaves no trace of damage.
     const std::string whole = ascii_stl(" a");
     load("c.stl", whole.substr(0, whole.rfind("endsolid")));
-    EXPECT_EQ(warnings_with("without 'endsolid'"), 1u);
+    EXPECT_EQ(warning_count("without 'endsolid'"), 1u);
     EXPECT_EQ(error_of("d.stl", binary_stl(two_triangles, "solid").substr(0, 140)),
               "the file is truncated: its header says 2 triangles, but there are 1");
     EXPECT_EQ(error_of("d.stl", ""), "the file is empty");
 }
 
-TEST_F(Stl, UpIsZUnlessSaidOtherwise)
+TEST_F(Stl, UpIsZByDefault)
 {
     const auto file = write("a.stl", binary_stl(two_triangles));
     LoadOptions options;

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <numeric>
 
-#include "compare_with_force.h"
+#include "compare_with_brute_force.h"
 #include "geometry/bvh/builder/child_order.h"
 #include "geometry/bvh/builder/collapse.h"
 #include "geometry/bvh/builder/reinsertion.h"

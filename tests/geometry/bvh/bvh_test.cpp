@@ -2,7 +2,7 @@
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 
-#include "compare_with_force.h"
+#include "compare_with_brute_force.h"
 #include "geometry/bvh/builder/builder.h"
 
 namespace fathom {
@@ -12,30 +12,30 @@ TEST(Bvh, nothing)
 {
     GeometryTables tables = empty_tables();
     finish(tables);
-    compare_with_force(tables, 1, 100, "nothing");
+    compare_with_brute_force(tables, 1, 100, "nothing");
     Bvh never_built;
-    Rays rays = nasty_rays(tables, 1, 100, 1);
+    Rays rays = difficult_rays(tables, 1, 100, 1);
     EXPECT_EQ(cast(never_built, rays, true).primitive[0], no_index);
 }
 
 TEST(Bvh, few_triangles)
 {
-    for (std::size_t n : {1, 2, 3, 15, 16, 17, 33, 100}) compare_with_force(soup(n, 1, 1, n), 1, 20'000, "few");
+    for (std::size_t n : {1, 2, 3, 15, 16, 17, 33, 100}) compare_with_brute_force(soup(n, 1, 1, n), 1, 20'000, "few");
 }
 
 TEST(Bvh, random_triangles)
 {
-    compare_with_force(soup(3'000, 100, 10, 1), 100, 40'000, "soup");
-    compare_with_force(soup(3'000, 100, 200, 2), 100, 20'000, "large");
-    compare_with_force(soup(5'000, 1000, 0.5f, 3), 1000, 20'000, "small");
-    compare_with_force(soup(3'000, 1e-12f, 1e-13f, 4), 1e-12f, 20'000, "tiny");
-    compare_with_force(soup(3'000, 1e8f, 1e7f, 5), 1e8f, 20'000, "huge");
-    compare_with_force(soup(3'000, 1, 0.1f, 6, {3e5f, -1e6f, 2e5f}), 1.5e6f, 20'000, "far away");
+    compare_with_brute_force(soup(3'000, 100, 10, 1), 100, 40'000, "soup");
+    compare_with_brute_force(soup(3'000, 100, 200, 2), 100, 20'000, "large");
+    compare_with_brute_force(soup(5'000, 1000, 0.5f, 3), 1000, 20'000, "small");
+    compare_with_brute_force(soup(3'000, 1e-12f, 1e-13f, 4), 1e-12f, 20'000, "tiny");
+    compare_with_brute_force(soup(3'000, 1e8f, 1e7f, 5), 1e8f, 20'000, "huge");
+    compare_with_brute_force(soup(3'000, 1, 0.1f, 6, {3e5f, -1e6f, 2e5f}), 1.5e6f, 20'000, "far away");
 }
 
 TEST(Bvh, treelets_and_upper_tree)
 {
-    compare_with_force(soup(100'000, 100, 2, 9), 100, 2'000, "100,000");
+    compare_with_brute_force(soup(100'000, 100, 2, 9), 100, 2'000, "100,000");
 }
 
 TEST(Bvh, needles)
@@ -48,7 +48,7 @@ TEST(Bvh, needles)
         add_triangle(tables, a, b, c);
     }
     finish(tables);
-    compare_with_force(tables, 100, 30'000, "needles");
+    compare_with_brute_force(tables, 100, 30'000, "needles");
 }
 
 TEST(Bvh, grids_piles_and_duplicates)
@@ -63,7 +63,7 @@ TEST(Bvh, grids_piles_and_duplicates)
                 add_triangle(tables, d, c, b);
             }
     finish(tables);
-    compare_with_force(tables, 8, 20'000, "pile");
+    compare_with_brute_force(tables, 8, 20'000, "pile");
 }
 
 /// Height field of n x n squares, two triangles each. apart: each triangle has its own vertices, as with face normals.
@@ -111,7 +111,7 @@ void expect_short_rays(const GeometryTables& tables, TreeBuild level, const Cent
                          is_long ? std::numeric_limits<float>::infinity() : random.uniform(0, reach));
             }
         }
-        const Hits expected = cast_by_force(tables, rays);
+        const Hits expected = cast_brute_force(tables, rays);
         for (bool coherent : {false, true}) {
             const std::vector<std::uint32_t> blocked = cast_shadows(bvh, rays, coherent);
             std::size_t wrong = 0, hits = 0;
@@ -163,8 +163,8 @@ TEST(Bvh, degenerate_and_not_finite)
         if (!std::isfinite(finite.positions[v].x)) finite.triangles[&v - finite.triangles.data()] = 0;
     for (std::size_t i = 0; i < finite.triangles.size(); i += 3)
         if (finite.triangles[i] == 0 && i > 0) finite.triangles[i + 1] = finite.triangles[i + 2] = 0;
-    Rays rays = nasty_rays(soup(500, 10, 3, 5), 10, 20'000, 8);
-    expect_same(tables, cast(bvh, rays, true), cast_by_force(finite, rays), rays.count(), "degenerate");
+    Rays rays = difficult_rays(soup(500, 10, 3, 5), 10, 20'000, 8);
+    expect_same(tables, cast(bvh, rays, true), cast_brute_force(finite, rays), rays.count(), "degenerate");
 }
 
 TEST(Bvh, exponential_sizes)
@@ -176,7 +176,7 @@ TEST(Bvh, exponential_sizes)
         add_triangle(tables, {s, s, s}, {s, 2 * s, s}, {s, s, 2 * s});
     }
     finish(tables);
-    compare_with_force(tables, 100, 20'000, "exponential");
+    compare_with_brute_force(tables, 100, 20'000, "exponential");
 }
 
 GeometryTables all_kinds(std::size_t n)
@@ -198,8 +198,8 @@ GeometryTables all_kinds(std::size_t n)
 
 TEST(Bvh, all_kinds)
 {
-    compare_with_force(all_kinds(1), 100, 20'000, "one of each");
-    compare_with_force(all_kinds(500), 100, 30'000, "all kinds");
+    compare_with_brute_force(all_kinds(1), 100, 20'000, "one of each");
+    compare_with_brute_force(all_kinds(500), 100, 30'000, "all kinds");
 }
 
 GeometryTables instances(std::size_t n, double spread)
@@ -242,10 +242,10 @@ GeometryTables instances(std::size_t n, double spread)
 
 TEST(Bvh, instances)
 {
-    compare_with_force(instances(1, 1), 60, 10'000, "one");
-    compare_with_force(instances(100, 1), 60, 20'000, "rigid");
-    compare_with_force(instances(100, 5), 60, 20'000, "scaled and mirrored");
-    compare_with_force(instances(50, 100), 60, 10'000, "extremely scaled");
+    compare_with_brute_force(instances(1, 1), 60, 10'000, "one");
+    compare_with_brute_force(instances(100, 1), 60, 20'000, "rigid");
+    compare_with_brute_force(instances(100, 5), 60, 20'000, "scaled and mirrored");
+    compare_with_brute_force(instances(50, 100), 60, 10'000, "extremely scaled");
 }
 
 /// Movable instances have a top-level tree of their own.
@@ -255,7 +255,7 @@ TEST(Bvh, movable_instances)
         GeometryTables tables = instances(100, 5);
         tables.editable = true;
         tables.still_instances = std::min(still, std::uint32_t(tables.instances.size()));
-        compare_with_force(tables, 60, 10'000, "still");
+        compare_with_brute_force(tables, 60, 10'000, "still");
     }
 }
 
@@ -300,7 +300,7 @@ TEST(Bvh, alpha)
     // The reference restarts an opaque ray at each hit that the alpha test rejects.
     Bvh opaque;
     opaque.build(tables);
-    Rays rays = nasty_rays(tables, 60, 10'000, 14);
+    Rays rays = difficult_rays(tables, 60, 10'000, 14);
     const Hits hits = cast(bvh, rays, false);
     expect_same(tables, cast(bvh, rays, true), hits, rays.count(), "alpha, coherent");
     const std::vector<std::uint32_t> blocked = cast_shadows(bvh, rays, false), together = cast_shadows(bvh, rays, true);
@@ -332,7 +332,7 @@ TEST(Bvh, alpha)
 TEST(Bvh, the_same_bits_everywhere)
 {
     GeometryTables tables = all_kinds(2'000);
-    Rays rays = nasty_rays(tables, 100, 20'000, 15);
+    Rays rays = difficult_rays(tables, 100, 20'000, 15);
     for (TreeBuild level : tree_builds) {
         Bvh bvh;
         bvh.build(tables, level);
@@ -453,7 +453,7 @@ TEST(Bvh, compact_leaves)
     }
     tables.shape_of_primitive.clear();
     finish(tables);
-    compare_with_force(tables, 60, 20'000, "ground");
+    compare_with_brute_force(tables, 60, 20'000, "ground");
 }
 
 /// All triangles of a visited leaf are counted, and each visited node once per ray.
@@ -462,7 +462,7 @@ TEST(Bvh, visits)
     GeometryTables tables = soup(5, 1, 1, 20);
     Bvh few;
     few.build(tables);
-    Rays rays = bundles(tables, 1, 640, 21);
+    Rays rays = coherent_rays(tables, 1, 640, 21);
     const RayArrays arrays = rays.arrays();
     Hits hits(arrays.count);
     BvhVisits visits;

@@ -2,7 +2,7 @@
 /// Bvh::expect orders the children for shadow rays by the expected chance of occlusion.
 #include <gtest/gtest.h>
 
-#include "compare_with_force.h"
+#include "compare_with_brute_force.h"
 
 namespace fathom {
 namespace {
@@ -80,7 +80,7 @@ TEST(BvhExpect, changes_no_result)
         after.build(tables);
         Rays some = rays_across(500, 35);
         after.expect(some.arrays());
-        Rays rays = nasty_rays(tables, 10, 20'000, 36);
+        Rays rays = difficult_rays(tables, 10, 20'000, 36);
         for (bool coherent : {false, true}) {
             const Hits a = cast(before, rays, coherent), b = cast(after, rays, coherent);
             EXPECT_EQ(a.t, b.t);

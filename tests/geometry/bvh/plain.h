@@ -36,12 +36,12 @@ inline Crossing cross_plane(Vec3d corner, Vec3d eu, Vec3d ev, Vec3d o, Vec3d d)
 }
 
 /// grow: fraction of the edges by which a shape is enlarged, or shrunk if negative.
-inline Crossing meet_triangle(Vec3d a, Vec3d b, Vec3d c, Vec3d o, Vec3d d, double grow = 0)
+inline Crossing intersect_triangle(Vec3d a, Vec3d b, Vec3d c, Vec3d o, Vec3d d, double grow = 0)
 {
     const Crossing x = cross_plane(a, b - a, c - a, o, d);
     return x.t > 0 && std::min({x.u, x.v, 1 - x.u - x.v}) >= -grow ? x : Crossing{};
 }
-inline Crossing meet_parallelogram(Vec3d corner, Vec3d eu, Vec3d ev, Vec3d o, Vec3d d, double grow = 0)
+inline Crossing intersect_parallelogram(Vec3d corner, Vec3d eu, Vec3d ev, Vec3d o, Vec3d d, double grow = 0)
 {
     const Crossing x = cross_plane(corner, eu, ev, o, d);
     return x.t > 0 && std::min({x.u, x.v, 1 - x.u, 1 - x.v}) >= -grow ? x : Crossing{};

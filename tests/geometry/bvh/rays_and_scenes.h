@@ -176,8 +176,8 @@ inline PieceAt piece_at(const GeometryTables& tables, std::uint32_t id, Float ti
 
 /// Tests one primitive against rays in world space or, unless instance is no_index, in that instance's object space.
 /// scale: length of the object-space direction before normalization.
-inline void meet_by_force(const GeometryTables& tables, std::uint32_t primitive, const Ray& ray, Float scale,
-                          UInt instance, Hit& hit)
+inline void intersect_brute_force(const GeometryTables& tables, std::uint32_t primitive, const Ray& ray, Float scale,
+                                  UInt instance, Hit& hit)
 {
     const auto take = [&](Mask m, Float t, Float u, Float v) {
         const Mask first_instance = (hit.primitive == UInt(primitive)) & less(instance, hit.instance);
@@ -238,7 +238,7 @@ inline void meet_by_force(const GeometryTables& tables, std::uint32_t primitive,
 }
 
 /// Closest hits by testing every primitive with the intersection functions of src/geometry/shapes.
-inline Hits cast_by_force(const GeometryTables& tables, Rays& rays)
+inline Hits cast_brute_force(const GeometryTables& tables, Rays& rays)
 {
     const RayArrays arrays = rays.arrays();
     Hits hits(arrays.count + 32);
@@ -249,7 +249,7 @@ inline Hits cast_by_force(const GeometryTables& tables, Rays& rays)
         Hit hit{ray.t_max, UInt(no_index), UInt(no_index), Float(0), Float(0)};
         for (std::uint32_t k = 0; k < tables.primitive_count(); ++k) {
             const bool placed = tables.shapes[tables.shape_of_primitive[k]].flags & ShapeRecord::only_instanced;
-            if (!placed) meet_by_force(tables, k, ray, Float(1), UInt(no_index), hit);
+            if (!placed) intersect_brute_force(tables, k, ray, Float(1), UInt(no_index), hit);
         }
         for (std::uint32_t k = 0; k < tables.instances.size(); ++k) {
             const InstanceRecord& instance = tables.instances[k];
@@ -261,9 +261,9 @@ inline Hits cast_by_force(const GeometryTables& tables, Rays& rays)
             for (std::uint32_t p = tables.shapes[instance.mesh_shape].first_primitive;
                  p < tables.primitive_count() && tables.shape_of_primitive[p] == instance.mesh_shape; ++p)
                 if (p < tables.first_sphere())
-                    meet_by_force(tables, p, inner, Float(1), UInt(k), hit);
+                    intersect_brute_force(tables, p, inner, Float(1), UInt(k), hit);
                 else
-                    meet_by_force(tables, p, unit, scale, UInt(k), hit);
+                    intersect_brute_force(tables, p, unit, scale, UInt(k), hit);
         }
         store(&hits.t[i], hit.t), store(&hits.u[i], hit.u), store(&hits.v[i], hit.v);
         store(&hits.primitive[i], hit.primitive), store(&hits.instance[i], hit.instance);

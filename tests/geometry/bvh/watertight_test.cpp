@@ -2,7 +2,7 @@
 /// Closed meshes are watertight: rays from inside that are aimed at edges and vertices always hit.
 #include <gtest/gtest.h>
 
-#include "compare_with_force.h"
+#include "compare_with_brute_force.h"
 
 namespace fathom {
 namespace {

@@ -181,7 +181,7 @@ TEST(GeometryTable, TrianglesAreJoinedWhereTheyMakeParallelograms)
 }
 
 /// Vertex normals prevent joining unless they equal the face normal, as files of boxes often have them.
-TEST(GeometryTable, TrianglesAreJoinedWhereTheirNormalsSayNothing)
+TEST(GeometryTable, WeldsTrianglesWithoutNormals)
 {
     const auto joined = [](std::vector<Vec3f> normals) {
         SceneDescription d = empty_scene();

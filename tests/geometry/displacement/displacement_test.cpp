@@ -273,7 +273,7 @@ TEST(Displacement, DetailFollowsMappingsByPlace)
     EXPECT_GE(TextureDetail(tables, 0).parts(mesh, 0, 1), 2 * plain * (1 - 1e-6));
 }
 
-TEST(Displacement, NothingGapesAtHardEdgesAndSeams)
+TEST(Displacement, NoGapsAtHardEdgesAndSeams)
 {
     const HeightFile heights = random_heights(16);
     TestScene s;
@@ -466,7 +466,7 @@ TEST(Displacement, TheEdgeLengthIsKept)
     EXPECT_EQ(triangles.size(), 2u * (8 * 8 - 4 - 4));
 }
 
-TEST(Displacement, TooManyTrianglesAreFewerAndTold)
+TEST(Displacement, ReportsReducedTriangles)
 {
     Mesh mesh;
     mesh.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
@@ -638,7 +638,7 @@ TEST(Displacement, EditsAreThoseOfTheSceneMadeAnew)
     expect_same(true);
 }
 
-TEST(Displacement, WhatCannotBeDisplacedIsTold)
+TEST(Displacement, ReportsUnsupportedDisplacement)
 {
     TestScene s;
     const int material = s.add_material(displacing(0.1f));

@@ -24,11 +24,12 @@ Found nearest(const GeometryTables& tables, Vec3d o, Vec3d d, double time, doubl
     };
     for (std::uint32_t i = 0; i < tables.triangle_count(); ++i) {
         const auto corner = [&](std::uint32_t k) { return plain::wide(tables.positions[tables.triangles[3 * i + k]]); };
-        take(plain::meet_triangle(corner(0), corner(1), corner(2), o, d, grow).t, i);
+        take(plain::intersect_triangle(corner(0), corner(1), corner(2), o, d, grow).t, i);
     }
     for (std::uint32_t i = 0; i < tables.quads.size(); ++i) {
         const QuadRecord& q = tables.quads[i];
-        take(plain::meet_parallelogram(plain::wide(q.corner), plain::wide(q.edge_u), plain::wide(q.edge_v), o, d, grow)
+        take(plain::intersect_parallelogram(plain::wide(q.corner), plain::wide(q.edge_u), plain::wide(q.edge_v), o, d,
+                                            grow)
                  .t,
              tables.first_quad() + i);
     }

@@ -2,7 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "geometry/bvh/builder/leaf_data.h"
-#include "geometry/bvh/compare_with_force.h"
+#include "geometry/bvh/compare_with_brute_force.h"
 
 namespace fathom {
 namespace {
@@ -44,12 +44,12 @@ GeometryTables curves(std::size_t n, float radius, float size, float thickness, 
 
 TEST(Curves, against_force)
 {
-    for (std::size_t n : {1, 2, 7}) compare_with_force(curves(n, 1, 1, 0.5f), 1, 10'000, "few");
-    compare_with_force(curves(100, 100, 20, 3), 100, 10'000, "thick");
-    compare_with_force(curves(300, 100, 30, 0.2f), 100, 5'000, "hair");
-    compare_with_force(curves(100, 1e-12f, 1e-13f, 1e-13f), 1e-12f, 5'000, "tiny");
-    compare_with_force(curves(100, 1e8f, 1e7f, 1e6f), 1e8f, 5'000, "huge");
-    compare_with_force(curves(100, 1, 0.3f, 0.1f, {3e4f, -1e5f, 2e4f}), 1.5e5f, 5'000, "far away");
+    for (std::size_t n : {1, 2, 7}) compare_with_brute_force(curves(n, 1, 1, 0.5f), 1, 10'000, "few");
+    compare_with_brute_force(curves(100, 100, 20, 3), 100, 10'000, "thick");
+    compare_with_brute_force(curves(300, 100, 30, 0.2f), 100, 5'000, "hair");
+    compare_with_brute_force(curves(100, 1e-12f, 1e-13f, 1e-13f), 1e-12f, 5'000, "tiny");
+    compare_with_brute_force(curves(100, 1e8f, 1e7f, 1e6f), 1e8f, 5'000, "huge");
+    compare_with_brute_force(curves(100, 1, 0.3f, 0.1f, {3e4f, -1e5f, 2e4f}), 1.5e5f, 5'000, "far away");
 }
 
 TEST(Curves, degenerate)
@@ -77,7 +77,7 @@ TEST(Curves, degenerate)
                 break;
         }
     }
-    compare_with_force(tables, 10, 10'000, "degenerate");
+    compare_with_brute_force(tables, 10, 10'000, "degenerate");
     for (Vec4f& p : tables.curve_points) p.w = 0;
     tables.points.clear();
     tables.shape_of_primitive.resize(tables.primitive_count());
@@ -136,7 +136,7 @@ TEST(Curves, placed_and_moving)
 {
     GeometryTables tables = curves(30, 1, 0.5f, 0.1f);
     place(tables);
-    compare_with_force(tables, 20, 5'000, "placed");
+    compare_with_brute_force(tables, 20, 5'000, "placed");
 }
 
 /// Curves with moving control points and radii; bit i of still makes shape i static.
@@ -176,15 +176,16 @@ GeometryTables moving_curves(GeometryTables tables, std::vector<float> times, fl
 TEST(MovingCurves, against_force)
 {
     for (std::size_t n : {1, 2, 7})
-        compare_with_force(moving_curves(curves(n, 1, 1, 0.5f), {0, 1}, 0.5f, 0.5f), 1, 10'000, "few");
-    compare_with_force(moving_curves(curves(100, 100, 20, 3), {0, 1}, 10, 3), 100, 4'000, "thick");
-    compare_with_force(moving_curves(curves(200, 100, 30, 0.2f), {0, 0.25f, 1}, 100, 0.2f), 100, 2'000, "hair");
-    compare_with_force(moving_curves(curves(100, 100, 20, 3), {0.25f, 0.5f}, 10, 3), 100, 2'000, "other times");
-    compare_with_force(moving_curves(curves(100, 100, 20, 3), {0, 1}, 10, 3, 0b0110), 100, 4'000, "beside still ones");
-    compare_with_force(moving_curves(curves(100, 1e-12f, 1e-13f, 1e-13f), {0, 1}, 1e-13f, 1e-13f), 1e-12f, 2'000,
-                       "tiny");
-    compare_with_force(moving_curves(curves(100, 1, 0.3f, 0.1f, {3e4f, -1e5f, 2e4f}), {0, 1}, 0.3f, 0.1f), 1.5e5f,
-                       2'000, "far away");
+        compare_with_brute_force(moving_curves(curves(n, 1, 1, 0.5f), {0, 1}, 0.5f, 0.5f), 1, 10'000, "few");
+    compare_with_brute_force(moving_curves(curves(100, 100, 20, 3), {0, 1}, 10, 3), 100, 4'000, "thick");
+    compare_with_brute_force(moving_curves(curves(200, 100, 30, 0.2f), {0, 0.25f, 1}, 100, 0.2f), 100, 2'000, "hair");
+    compare_with_brute_force(moving_curves(curves(100, 100, 20, 3), {0.25f, 0.5f}, 10, 3), 100, 2'000, "other times");
+    compare_with_brute_force(moving_curves(curves(100, 100, 20, 3), {0, 1}, 10, 3, 0b0110), 100, 4'000,
+                             "beside still ones");
+    compare_with_brute_force(moving_curves(curves(100, 1e-12f, 1e-13f, 1e-13f), {0, 1}, 1e-13f, 1e-13f), 1e-12f, 2'000,
+                             "tiny");
+    compare_with_brute_force(moving_curves(curves(100, 1, 0.3f, 0.1f, {3e4f, -1e5f, 2e4f}), {0, 1}, 0.3f, 0.1f), 1.5e5f,
+                             2'000, "far away");
 }
 
 /// The tables at one time, without motion.
@@ -247,7 +248,7 @@ TEST(MovingCurves, are_curves_of_points_in_between)
         moving.build(tables);
         int hits = 0, other = 0;
         for (const float time : {0.f, 0.2f, 0.375f, 0.7f, 1.f}) {
-            Rays rays = nasty_rays(tables, 10, lanes == 1 ? 1'000 : 4'000, 9);
+            Rays rays = difficult_rays(tables, 10, lanes == 1 ? 1'000 : 4'000, 9);
             for (float& t : rays.time) t = time;
             const Hits then = cast(moving, rays, false);
             const GeometryTables still = stopped(tables, double(time));
@@ -272,7 +273,7 @@ TEST(MovingCurves, placed_by_what_moves)
 {
     GeometryTables tables = moving_curves(curves(30, 1, 0.5f, 0.1f), {0, 0.5f, 1}, 0.3f, 0.1f);
     place(tables);
-    compare_with_force(tables, 20, 2'000, "placed");
+    compare_with_brute_force(tables, 20, 2'000, "placed");
 }
 
 TEST(MovingCurves, degenerate_and_not_finite)
@@ -285,7 +286,7 @@ TEST(MovingCurves, degenerate_and_not_finite)
         p[k].w = p[n + k].w = p[4 + k].w = p[n + 8 + k].w = 0;
         p[12 + k] = p[12];
     }
-    compare_with_force(tables, 1, 10'000, "degenerate");
+    compare_with_brute_force(tables, 1, 10'000, "degenerate");
     Bvh whole, bvh;
     whole.build(tables);
     p[n + 4].y = std::numeric_limits<float>::quiet_NaN();
@@ -320,11 +321,11 @@ TEST(MovingCurves, boxes_follow)
 }
 
 /// Result of one ray against one curve piece.
-struct Met {
+struct PieceHit {
     bool hit;
     float t, w;
 };
-Met meet_one(Vec3f a, float ra, Vec3f b, float rb, Vec3f o, Vec3f d, bool ribbon)
+PieceHit intersect_piece(Vec3f a, float ra, Vec3f b, float rb, Vec3f o, Vec3f d, bool ribbon)
 {
     alignas(64) float ts[lanes], ws[lanes];
     Float t(0.f), w(0.f);
@@ -376,7 +377,7 @@ TEST(Curves, round_pieces_are_swept_balls)
         const Vec3f d = unit_towards(o, target);
         const double expected = march(a, ra, b, rb, o, d, 12);
         if (expected < 0) continue;
-        const Met met = meet_one(a, ra, b, rb, o, d, false);
+        const PieceHit met = intersect_piece(a, ra, b, rb, o, d, false);
         // Grazing rays may hit or miss.
         if (met.hit != (expected < 12)) {
             ++unsure;
@@ -410,7 +411,8 @@ TEST(Curves, area_of_ribbons_and_capsules)
         int hits = 0;
         constexpr int n = 200'000;
         for (int i = 0; i < n; ++i)
-            hits += meet_one(a, ra, b, rb, {random.uniform(-1, 1), random.uniform(-1, 1), 5}, {0, 0, -1}, ribbon).hit;
+            hits += intersect_piece(a, ra, b, rb, {random.uniform(-1, 1), random.uniform(-1, 1), 5}, {0, 0, -1}, ribbon)
+                        .hit;
         const double expected = ribbon ? length * (ra + rb) : length * 2 * ra + 3.14159265 * ra * ra;
         const double share = expected / 4;
         EXPECT_NEAR(double(hits) / n, share, 4 * std::sqrt(share * (1 - share) / n));
@@ -421,7 +423,7 @@ std::uint64_t hash_of_hits(const GeometryTables& tables)
 {
     Bvh bvh;
     bvh.build(tables);
-    Rays rays = nasty_rays(tables, 100, 20'000, 15);
+    Rays rays = difficult_rays(tables, 100, 20'000, 15);
     const Hits hits = cast(bvh, rays, true);
     std::uint64_t hash = 1469598103934665603u;
     const auto mix_in = [&](std::uint32_t x) { hash = (hash ^ x) * 1099511628211u; };

@@ -39,8 +39,8 @@ TEST(Shapes, TrianglesInDouble)
         const Vec3f a = random.point(3), b = random.point(3), c = random.point(3), o = random.point(5);
         const Vec3f d = unit_towards(o, random.point(2));
         const auto plain = [&](double grow) {
-            return plain::meet_triangle(plain::wide(a), plain::wide(b), plain::wide(c), plain::wide(o), plain::wide(d),
-                                        grow);
+            return plain::intersect_triangle(plain::wide(a), plain::wide(b), plain::wide(c), plain::wide(o),
+                                             plain::wide(d), grow);
         };
         const plain::Crossing expected = plain(0);
         if ((plain(1e-4).t < plain::nothing) != (plain(-1e-4).t < plain::nothing) || expected.t < 1e-3) continue;

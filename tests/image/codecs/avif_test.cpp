@@ -15,7 +15,7 @@ using Planes = std::unique_ptr<avifImage, decltype(&avifImageDestroy)>;
 
 /// An image whose planes are green, blue and red, or a gray one, with values code(x, y, channel); alpha is channel 3.
 template <class Code>
-Planes made_planes(int width, int height, int bits, avifPixelFormat format, bool alpha, Code code)
+Planes make_planes(int width, int height, int bits, avifPixelFormat format, bool alpha, Code code)
 {
     Planes planes(avifImageCreate(std::uint32_t(width), std::uint32_t(height), std::uint32_t(bits), format),
                   avifImageDestroy);
@@ -73,7 +73,7 @@ TEST(Avif, CodesOfEveryDepthAreKept)
             for (const auto format : {AVIF_PIXEL_FORMAT_YUV444, AVIF_PIXEL_FORMAT_YUV400}) {
                 const int width = 23, height = 9, largest = (1 << bits) - 1;
                 const auto code = [&](int x, int y, int c) { return (x * 331 + y * 77 + c * 1201) & largest; };
-                const Image image = read(file_of(made_planes(width, height, bits, format, alpha, code)));
+                const Image image = read(file_of(make_planes(width, height, bits, format, alpha, code)));
                 const bool gray = format == AVIF_PIXEL_FORMAT_YUV400;
                 std::vector<std::string> channels =
                     gray ? std::vector<std::string>{"Y"} : std::vector<std::string>{"R", "G", "B"};
@@ -95,7 +95,7 @@ TEST(Avif, CodesOfEveryDepthAreKept)
 std::vector<int> grays(avifTransformFlags flags, int angle, std::uint8_t mirror, int bits)
 {
     const auto code = [](int x, int y, int) { return 1 + x + 3 * y; };
-    const Planes planes = made_planes(3, 2, bits, AVIF_PIXEL_FORMAT_YUV444, false, code);
+    const Planes planes = make_planes(3, 2, bits, AVIF_PIXEL_FORMAT_YUV444, false, code);
     planes->transformFlags = flags;
     planes->irot.angle = std::uint8_t(angle);
     planes->imir = {mirror};
@@ -108,7 +108,7 @@ std::vector<int> grays(avifTransformFlags flags, int angle, std::uint8_t mirror,
     return codes;
 }
 
-TEST(Avif, IsCutTurnedAndMirroredAsItSays)
+TEST(Avif, AppliesCropRotationAndMirror)
 {
     using Codes = std::vector<int>;
     for (const int bits : {8, 10}) {
@@ -128,7 +128,7 @@ TEST(Avif, IsCutTurnedAndMirroredAsItSays)
 TEST(Avif, WhatCanNotBeReadIsOneLineWithItsName)
 {
     const auto code = [](int x, int y, int) { return x + y; };
-    const Planes planes = made_planes(64, 64, 10, AVIF_PIXEL_FORMAT_YUV444, false, code);
+    const Planes planes = make_planes(64, 64, 10, AVIF_PIXEL_FORMAT_YUV444, false, code);
     std::vector<unsigned char> file = file_of(planes);
     EXPECT_EQ(error_of(file, 100'000), "a.avif: an image of 64x64 pixels needs 0.0 GB of memory, 0.0 GB are available");
     EXPECT_EQ(error_of(file), "read");
@@ -155,7 +155,7 @@ TEST(Avif, IsWrittenLikePngAtTheBestQuality)
     for (const bool alpha : {false, true}) {
         std::vector<std::string> channels = {"R", "G", "B"};
         if (alpha) channels.push_back("A");
-        const Image image = test::made_image(61, 40, channels);
+        const Image image = test::make_test_image(61, 40, channels);
         const Image png = written_and_read(image, "a.png", 100), avif = written_and_read(image, "a.avif", 100);
         EXPECT_EQ(avif.layers[0].channels, png.layers[0].channels);
         EXPECT_EQ(avif.layers[0].pixels, png.layers[0].pixels);
@@ -165,7 +165,7 @@ TEST(Avif, IsWrittenLikePngAtTheBestQuality)
 /// Largest error of color and alpha codes, 0 to 1.
 std::array<double, 2> errors_at(int quality)
 {
-    Image image = test::made_image(64, 48, {"R", "G", "B", "A"});
+    Image image = test::make_test_image(64, 48, {"R", "G", "B", "A"});
     std::vector<float>& pixels = image.layers[0].pixels;
     for (int i = 0; i < 64 * 48; ++i) {
         const float alpha = 0.5f + float(i % 7) / 14;

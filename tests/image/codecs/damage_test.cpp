@@ -18,9 +18,9 @@ struct Sample {
 std::vector<char> encoded(const Sample& sample)
 {
     const test::TemporaryFolder folder;
-    Image image = test::made_image(33, 21, {"R", "G", "B", "A"});
+    Image image = test::make_test_image(33, 21, {"R", "G", "B", "A"});
     if (sample.layers) {
-        image.layers.push_back(test::made_layer("albedo", {"R", "G", "B"}, 33, 21));
+        image.layers.push_back(test::make_test_layer("albedo", {"R", "G", "B"}, 33, 21));
         image.uint_channels.push_back({"sums.000", std::vector<std::uint32_t>(33 * 21, 5)});
     }
     write_image(folder.path() / sample.file, image, sample.options);

@@ -157,7 +157,7 @@ TEST_F(Ocio, InputByTheRoleForInterchange)
               choice_.config + ": display 'screen', view 'as it is', from linear Rec.709 by way of 'plain'");
 }
 
-TEST_F(Ocio, WhatIsNotThereIsNamedWithWhatIs)
+TEST_F(Ocio, ListsAvailableNamesForUnknownOnes)
 {
     choice_.display = "tv";
     EXPECT_EQ(error(), "there is no display 'tv'; there are: screen, wall");
@@ -189,7 +189,7 @@ TEST_F(Ocio, OfTheEnvironment)
 /// All file formats contain equal codes, and none is tagged as sRGB.
 TEST_F(Ocio, PicturesAreMadeByIt)
 {
-    Image image = test::made_image(8, 8);
+    Image image = test::make_test_image(8, 8);
     for (std::size_t i = 0; i < image.layers[0].pixels.size(); ++i)
         image.layers[0].pixels[i] = i % 3 == 0 ? 0.5f : i % 3 == 1 ? 0.25f : 0.75f;
     WriteOptions options;

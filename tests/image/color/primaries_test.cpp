@@ -97,20 +97,20 @@ TEST(Primaries, WhiteBalance)
     EXPECT_NEAR(daylight[2], 0.4, 5e-4);
 }
 
-TEST(Primaries, OfNoColoursAreRefused)
+TEST(Primaries, RejectsDegeneratePrimaries)
 {
     EXPECT_THROW(conversion({{0, 0}, {0.5f, 0.5f}, {1, 1}, {0.3f, 0.3f}}, rec709_chromaticities), Error);
     EXPECT_THROW(conversion({{0.64f, 0.33f}, {0.3f, 0.6f}, {0.15f, 0.06f}, {0.3f, 0}}, rec709_chromaticities), Error);
     EXPECT_THROW(conversion({{0.64f, NAN}, {0.3f, 0.6f}, {0.15f, 0.06f}, {0.3f, 0.3f}}, rec709_chromaticities), Error);
 }
 
-TEST(Exr, IsWrittenInOtherPrimariesAndSaysSo)
+TEST(Exr, RecordsOtherPrimaries)
 {
     const test::TemporaryFolder folder;
-    Image image = test::made_image(7, 5, {"R", "G", "B", "A"}, 3);
-    image.layers.push_back(test::made_layer("albedo", {"R", "G", "B"}, 7, 5));
-    image.layers.push_back(test::made_layer("variance", {"R", "G", "B"}, 7, 5));
-    image.layers.push_back(test::made_layer("normal", {"X", "Y", "Z"}, 7, 5));
+    Image image = test::make_test_image(7, 5, {"R", "G", "B", "A"}, 3);
+    image.layers.push_back(test::make_test_layer("albedo", {"R", "G", "B"}, 7, 5));
+    image.layers.push_back(test::make_test_layer("variance", {"R", "G", "B"}, 7, 5));
+    image.layers.push_back(test::make_test_layer("normal", {"X", "Y", "Z"}, 7, 5));
     image.uint_channels.push_back({"sums.000", std::vector<std::uint32_t>(35, 7)});
     image.layers[0].pixels[0] = INFINITY;
     WriteOptions options;

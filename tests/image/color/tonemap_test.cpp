@@ -229,7 +229,7 @@ TEST(Tonemap, WhiteBalanceMakesLampsWhite)
 }
 
 /// Base colors up to 0.8 plus 4 % specular reflection under white light are reproduced exactly.
-TEST(Tonemap, NeutralKeepsTheColoursOfSurfaces)
+TEST(Tonemap, NeutralKeepsSurfaceColors)
 {
     for (const Color& base : {Color{0.6f, 0.1f, 0.05f}, {0.75f, 0.75f, 0.7f}, {0.05f, 0.2f, 0.4f}}) {
         const Color shown = tone_map(Tonemap::khronos_neutral, {base.r + 0.04f, base.g + 0.04f, base.b + 0.04f});

@@ -95,7 +95,7 @@ TEST(CubeMap, LightIsKept)
     }
 }
 
-TEST(CubeMap, ColoursAreOverTheirAlpha)
+TEST(CubeMap, ColorsArePremultipliedByAlpha)
 {
     Faces faces = black_faces(8);
     const auto fill = [](CubeFace& face, const std::array<float, 4>& texel) {

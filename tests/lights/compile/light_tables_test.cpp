@@ -51,7 +51,7 @@ TEST(LightTable, ProbabilitiesGoWithPower)
 }
 
 /// Shapes refer to their lights and lights to their primitives, in render space.
-TEST(LightTable, LampsStandWhereTheirShapesDo)
+TEST(LightTable, EmissiveShapesFollowTheirTransforms)
 {
     SceneDescription d = empty_scene();
     d.cameras[0].position = {1, 0, 0}, d.cameras[0].look_at = {1, 0, -1};

@@ -91,7 +91,7 @@ TEST(Environment, PointsOfTheImage)
     EXPECT_NEAR(first(detail::image_point(lanes_of({0, 1, 0})).v), 0, 1e-3);
 }
 
-TEST(Environment, ABrightTexelIsSeenWhereItIs)
+TEST(Environment, ABrightTexelAppearsInItsDirection)
 {
     constexpr int width = 16, height = 8;
     for (const auto& [x, y] : {std::pair{3, 2}, {8, 4}, {0, 6}, {15, 1}}) {

@@ -12,7 +12,7 @@
 namespace fathom {
 namespace {
 
-struct Form {
+struct CurveCase {
     const char* name;
     std::uint32_t flags;
     std::uint32_t pieces;
@@ -32,19 +32,19 @@ const std::vector<Vec4f> cone{{-0.2f, 1, 0, 0.9f}, {0.9f, 1.3f, 0.5f, 0.02f}};
 constexpr std::uint32_t linear = ShapeRecord::linear_curves, ribbon = ShapeRecord::ribbons;
 const std::vector<Vec4f> later{
     {-0.8f, 2.2f, 0.1f, 0.2f}, {-0.3f, 2.6f, 0.2f, 0.3f}, {0.5f, 2.1f, -0.3f, 0.2f}, {1.1f, 2.1f, 0.2f, 0.15f}};
-const Form forms[] = {{"bow", 0, 4, bow, false, {0.3, 0, 0.2}},
-                      {"rod", linear, 1, rod, false, {0.1, 0.2, 0.3}},
-                      {"rod from its end", linear, 1, rod, false, {3, 2.5, 1.5}},
-                      {"cone that shows all round", linear, 1, cone, false, {4, 2.4, 2}},
-                      {"placed rod", linear, 1, rod, true, {1, 1, 0.3}},
-                      {"ribbon", ribbon | linear, 1, rod, false, {0.1, 0.2, 0.3}},
-                      {"bent ribbon", ribbon, 4, bow, false, {0.3, 0, 0.2}},
-                      {"placed ribbon", ribbon | linear, 1, rod, true, {1, 1, 0.3}},
-                      {"ribbon with the eye in it", ribbon | linear, 1, rod, false, {0.3, 1.3, 0.35}, true},
-                      {"bow that moves", 0, 4, bow, false, {0.3, 0, 0.2}, false, later},
-                      {"placed ribbon that moves", ribbon, 4, bow, true, {4, 1, 0.3}, false, later}};
+const CurveCase forms[] = {{"bow", 0, 4, bow, false, {0.3, 0, 0.2}},
+                           {"rod", linear, 1, rod, false, {0.1, 0.2, 0.3}},
+                           {"rod from its end", linear, 1, rod, false, {3, 2.5, 1.5}},
+                           {"cone that shows all round", linear, 1, cone, false, {4, 2.4, 2}},
+                           {"placed rod", linear, 1, rod, true, {1, 1, 0.3}},
+                           {"ribbon", ribbon | linear, 1, rod, false, {0.1, 0.2, 0.3}},
+                           {"bent ribbon", ribbon, 4, bow, false, {0.3, 0, 0.2}},
+                           {"placed ribbon", ribbon | linear, 1, rod, true, {1, 1, 0.3}},
+                           {"ribbon with the eye in it", ribbon | linear, 1, rod, false, {0.3, 1.3, 0.35}, true},
+                           {"bow that moves", 0, 4, bow, false, {0.3, 0, 0.2}, false, later},
+                           {"placed ribbon that moves", ribbon, 4, bow, true, {4, 1, 0.3}, false, later}};
 
-GeometryTables tables_of(const Form& form)
+GeometryTables tables_of(const CurveCase& form)
 {
     GeometryTables t;
     t.shapes.emplace_back().flags = form.flags;
@@ -69,9 +69,9 @@ Vec3 as_lanes(Vec3d p)
 }
 
 /// All curve pieces that a ray hits, by testing each.
-class Force {
+class BruteForce {
 public:
-    Force(const Form& form, const GeometryTables& t)
+    BruteForce(const CurveCase& form, const GeometryTables& t)
         : form_(form), t_(t), curve_(t, UInt(0u), UInt(0u), UInt(form.flags), Float(now), Mask(true))
     {
     }
@@ -98,12 +98,12 @@ public:
     }
 
 private:
-    const Form& form_;
+    const CurveCase& form_;
     const GeometryTables& t_;
     const CurveReader curve_;
 };
 
-UInt instance_of(const Form& form)
+UInt instance_of(const CurveCase& form)
 {
     return UInt(form.placed ? 0u : no_index);
 }
@@ -111,10 +111,10 @@ UInt instance_of(const Form& form)
 /// Each sample is a visible point of the surface, and pdf() of its direction returns its density.
 TEST(CurveLight, SamplesAreHitsOfTheirDensity)
 {
-    for (const Form& form : forms) {
+    for (const CurveCase& form : forms) {
         const GeometryTables t = tables_of(form);
         const CurveLight light(t, UInt(0u), instance_of(form), Float(now), Mask(true));
-        const Force force(form, t);
+        const BruteForce force(form, t);
         const Vec3 eye = as_lanes(form.eye);
         test::Random random;
         int sampled = 0, missed = 0, wrong = 0;
@@ -143,12 +143,12 @@ TEST(CurveLight, SamplesAreHitsOfTheirDensity)
 /// Histogram of sampled directions against the density along rays that hit the curve.
 TEST(CurveLight, DirectionsFollowTheDensity)
 {
-    for (const Form& form : forms) {
+    for (const CurveCase& form : forms) {
         // If the viewpoint is inside a curve's width, the density has poles that the numerical integral misses.
         if (form.within) continue;
         const GeometryTables t = tables_of(form);
         const CurveLight light(t, UInt(0u), instance_of(form), Float(now), Mask(true));
-        const Force force(form, t);
+        const BruteForce force(form, t);
         const Vec3 eye = as_lanes(form.eye);
         // Cylindrical map of directions: azimuth about y, and height, over the range of the samples.
         constexpr int draws = 1 << 16, cells = 12, fine = 64, n = cells * fine;

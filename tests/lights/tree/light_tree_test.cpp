@@ -21,9 +21,9 @@ void put(float* to, Vec3d v)
 }
 
 /// Independent random numbers, as plain doubles.
-class Chance {
+class RandomNumbers {
 public:
-    explicit Chance(unsigned seed) : engine_(seed) {}
+    explicit RandomNumbers(unsigned seed) : engine_(seed) {}
     double operator()(double lo = 0, double hi = 1) { return lo + (hi - lo) * double(engine_() >> 8) * 0x1p-24; }
     bool flip() { return (*this)() < 0.5; }
     Vec3d point(double size) { return {(*this)(-size, size), (*this)(-size, size), (*this)(-size, size)}; }
@@ -40,7 +40,7 @@ private:
 constexpr double close_time = 0.5;
 
 /// A light of any kind, with its power as estimated by the light compiler.
-LightRecord random_light(Chance& chance, double room, double size, double& power)
+LightRecord random_light(RandomNumbers& chance, double room, double size, double& power)
 {
     constexpr double pi = std::numbers::pi;
     LightRecord l;
@@ -94,7 +94,7 @@ struct Lamps {
     Lamps(unsigned seed, std::uint32_t placed, double size, std::uint32_t directions = 0, double extent = 10)
         : room(extent)
     {
-        Chance chance(seed);
+        RandomNumbers chance(seed);
         std::vector<double> powers(placed);
         for (double& power : powers)
             tables.lights.push_back(random_light(chance, room, size * std::pow(100, chance(-1, 0)), power));
@@ -146,7 +146,7 @@ std::vector<double> probabilities(const Lamps& lamps, const LightSelector& selec
 TEST(LightTree, ProbabilitiesAddUpToOne)
 {
     for_each_size(0, [](const Lamps& lamps, const LightSelector& selector, std::uint32_t count, unsigned seed) {
-        Chance chance(seed);
+        RandomNumbers chance(seed);
         for (int k = 0; k < 20; ++k) {
             const std::vector<double> pmf =
                 probabilities(lamps, selector, count, as_lanes(chance.point(k % 2 ? 10 : 30)));
@@ -178,22 +178,22 @@ void expect_as_often_as_probable(const Lamps& lamps, const LightSelector& select
     EXPECT_EQ(test::chi_square(drawn, expected), "") << count << " lights";
 }
 
-TEST(LightTree, SelectsAsOftenAsItsProbabilitySays)
+TEST(LightTree, FrequencyMatchesProbability)
 {
     for_each_size(100, [](const Lamps& lamps, const LightSelector& selector, std::uint32_t count, unsigned seed) {
-        expect_as_often_as_probable(lamps, selector, count, as_lanes(Chance(seed).point(10)), seed);
+        expect_as_often_as_probable(lamps, selector, count, as_lanes(RandomNumbers(seed).point(10)), seed);
     });
 }
 
 /// All weights are 0 and the probabilities small, so rounding at interval ends matters.
-TEST(LightTree, WhereNothingReachesLightsAreSelectedAsOftenAsTheirProbabilitySays)
+TEST(LightTree, FrequencyMatchesProbabilityWithoutContribution)
 {
     for (const std::uint32_t n : {11u, 300u}) {
         Lamps lamps(n, n, 1);
         for (LightRecord& l : lamps.tables.lights) {
             l = {};
             l.kind = std::uint32_t(LightRecordKind::triangle);
-            put(l.position, Chance(unsigned(&l - lamps.tables.lights.data())).point(1));
+            put(l.position, RandomNumbers(unsigned(&l - lamps.tables.lights.data())).point(1));
             put(l.normal, {0, 0, 1}), put(l.edge_u, {0.1, 0, 0}), put(l.edge_v, {0, 0.1, 0});
             l.area = 0.005f;
         }
@@ -260,7 +260,7 @@ TEST(LightTree, WhateverShinesMayBeSelected)
         for (const std::uint32_t n : {12u, 150u}) {
             const Lamps lamps(seed, n, seed % 2 ? 0.1 : 3);
             const LightSelector selector(lamps.tables, LightSelection::tree);
-            Chance chance(seed);
+            RandomNumbers chance(seed);
             test::Random random(seed);
             for (std::uint32_t i = 0; i < n; ++i)
                 for (int k = 0; k < 8; ++k) {
@@ -318,7 +318,7 @@ double irradiance(const LightRecord& l, Vec3d p, Vec3d n)
 Lamps triangles(unsigned seed, std::uint32_t n)
 {
     Lamps lamps(seed, n, 1);
-    Chance chance(seed);
+    RandomNumbers chance(seed);
     std::vector<double> powers(n);
     double sum = 0, running = 0;
     for (std::uint32_t i = 0; i < n; ++i) {
@@ -365,7 +365,7 @@ TEST(LightTree, EstimatesTheSum)
     for (unsigned seed = 1; seed <= 20; ++seed) {
         const Lamps lamps = triangles(seed, 20 * seed);
         const LightSelector selector(lamps.tables, LightSelection::tree);
-        Chance chance(seed);
+        RandomNumbers chance(seed);
         test::Random random(seed);
         const Vec3d p{chance(-5, 5), 0, chance(-5, 5)}, n{0, 1, 0};
         double expected = 0, sum = 0, squares = 0;
@@ -419,7 +419,7 @@ TEST(LightTree, VarianceIsFarBelowThatByPower)
 {
     const Lamps lamps = triangles(1, 10000);
     const LightSelector tree(lamps.tables, LightSelection::tree);
-    Chance chance(1);
+    RandomNumbers chance(1);
     double by_tree = 0, by_power = 0;
     for (int k = 0; k < 12; ++k) {
         const Vec3d p{chance(-5, 5), 0, chance(-5, 5)}, n{0, 1, 0};

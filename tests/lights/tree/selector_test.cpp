@@ -26,7 +26,7 @@ LightTables lights(const std::vector<double>& powers)
 const Vec3 origin(Vec3f{0, 0, 0});
 
 /// Selection frequencies equal the probabilities, tested with stratified numbers that leave no randomness.
-TEST(LightSelector, SelectsAsOftenAsItsProbabilitySays)
+TEST(LightSelector, FrequencyMatchesProbability)
 {
     for (const std::vector<double>& powers : {std::vector<double>{1},
                                               {1, 3},

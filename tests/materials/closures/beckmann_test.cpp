@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <random>
-
 #include "materials/closure_checks.h"
 #include "materials/closures/glass.h"
 #include "materials/closures/layered.h"
 #include "materials/closures/metal.h"
 #include "materials/closures/plastic.h"
 #include "materials/closures/principled.h"
+#include "materials/facet_reference.h"
 
 // Beckmann microfacets in every closure with microfacets.
 namespace fathom::test {
@@ -18,22 +17,6 @@ MaterialPoint beckmann(float color, float roughness, float metallic = 0)
     m.beckmann = Mask(true);
     m.compensated = Mask(false);
     return m;
-}
-
-struct Direction3 {
-    double x, y, z;
-};
-
-/// Walter et al. 2007, equations 25 and 27.
-double normals(const Direction3& h, double alpha_x, double alpha_y)
-{
-    const double x = h.x / alpha_x, y = h.y / alpha_y, z2 = h.z * h.z;
-    return std::exp(-(x * x + y * y) / z2) / (std::numbers::pi * alpha_x * alpha_y * z2 * z2);
-}
-double shadowing(const Direction3& w, double alpha)
-{
-    const double a = w.z / (alpha * std::hypot(w.x, w.y));
-    return a < 1.6 ? (3.535 * a + 2.181 * a * a) / (1 + 2.276 * a + 2.577 * a * a) : 1;
 }
 
 TEST(Beckmann, Sampling)
@@ -69,24 +52,15 @@ TEST(Beckmann, NormalsCoverTheSurface)
 /// A plastic with a black base reduces to its boundary: F D G / 4, in double precision.
 TEST(Beckmann, IsTheFormula)
 {
-    std::mt19937_64 engine(7);
-    std::uniform_real_distribution<double> uniform;
-    const auto direction = [&] {
-        const double z = 0.05 + 0.95 * uniform(engine), phi = 2 * std::numbers::pi * uniform(engine),
-                     s = std::sqrt(1 - z * z);
-        return Direction3{s * std::cos(phi), s * std::sin(phi), z};
-    };
+    RandomDirections direction;
     for (int k = 0; k < 2000; ++k) {
-        const Direction3 o = direction(), i = direction();
-        const float roughness = float(0.3 + 0.6 * uniform(engine));
+        const UnitVector o = direction(), i = direction(), h = half_vector(o, i);
+        const float roughness = float(direction.number(0.3, 0.9));
         const double alpha = double(roughness) * double(roughness);
-        Direction3 h{o.x + i.x, o.y + i.y, o.z + i.z};
-        const double length = std::sqrt(h.x * h.x + h.y * h.y + h.z * h.z);
-        h = {h.x / length, h.y / length, h.z / length};
         const double c = o.x * h.x + o.y * h.y + o.z * h.z, t = std::sqrt(1 - (1 - c * c) / 2.25),
                      p = (1.5 * c - t) / (1.5 * c + t), s = (c - 1.5 * t) / (c + 1.5 * t);
         const double expected =
-            (p * p + s * s) / 2 * normals(h, alpha, alpha) * shadowing(o, alpha) * shadowing(i, alpha) / (4 * o.z);
+            (p * p + s * s) / 2 * beckmann_d(h, alpha, alpha) * smith_g1(o.z, alpha, true) * smith_g1(i.z, alpha, true) / (4 * o.z);
         const double found = first(PlasticBsdf(beckmann(0, roughness))
                                        .eval(lane_direction({o.x, o.y, o.z}), lane_direction({i.x, i.y, i.z}))
                                        .f_cos.c[0]);
@@ -112,7 +86,7 @@ TEST(Beckmann, OfLayers)
     // At normal incidence and exitance: D / 4 times the reflectance.
     const double alpha = 0.25, alpha_x = alpha + (1 - alpha) * 0.25;
     const Vec3 up = lane_direction({0, 0, 1});
-    EXPECT_NEAR(first(layered(1).eval(up, up).f_cos.c[0]), 0.8 * normals({0, 0, 1}, alpha_x, alpha) / 4, 1e-3);
+    EXPECT_NEAR(first(layered(1).eval(up, up).f_cos.c[0]), 0.8 * beckmann_d({0, 0, 1}, alpha_x, alpha) / 4, 1e-3);
 }
 
 }  // namespace

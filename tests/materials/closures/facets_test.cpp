@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <random>
-
 #include "materials/closure_checks.h"
 #include "materials/closures/glass.h"
 #include "materials/closures/layered.h"
 #include "materials/closures/metal.h"
 #include "materials/closures/plastic.h"
 #include "materials/closures/principled.h"
+#include "materials/facet_reference.h"
 
 // Microfacets with separable shadowing-masking, and those treated as mirrors, in every closure.
 namespace fathom::test {
@@ -34,19 +33,6 @@ LayeredMaterialPoint layered(float roughness, float coat_roughness)
     return m;
 }
 
-struct V {
-    double x, y, z;
-};
-
-/// Smith masking function, Walter et al. 2007, equations 27 and 34.
-double seen(double z, double alpha, bool is_beckmann)
-{
-    const double slope = std::sqrt(std::max(0.0, 1 - z * z)) / z;
-    if (!is_beckmann) return 2 / (1 + std::sqrt(1 + alpha * alpha * slope * slope));
-    const double a = 1 / (alpha * slope);
-    return a < 1.6 ? (3.535 * a + 2.181 * a * a) / (1 + 2.276 * a + 2.577 * a * a) : 1;
-}
-
 double fresnel(double cosine, double ior, double& beyond)
 {
     beyond = std::sqrt(1 - (1 - cosine * cosine) / (ior * ior));
@@ -56,7 +42,7 @@ double fresnel(double cosine, double ior, double& beyond)
 }
 
 /// Light from a direction that one microfacet interface transmits, integrated over the distribution of normals.
-double let_through(double z, double alpha, bool is_beckmann, double ior)
+double transmittance(double z, double alpha, bool is_beckmann, double ior)
 {
     constexpr int slopes = 400, turns = 200;
     const double sine = std::sqrt(1 - z * z);
@@ -71,10 +57,10 @@ double let_through(double z, double alpha, bool is_beckmann, double ior)
             if (c <= 0) continue;
             double t;
             const double f = fresnel(c, ior, t), down = z / ior - (c / ior - t) * nz;
-            if (down > 0) sum += (1 - f) * seen(std::min(1.0, down), alpha, is_beckmann) * c / nz * area / turns;
+            if (down > 0) sum += (1 - f) * smith_g1(std::min(1.0, down), alpha, is_beckmann) * c / nz * area / turns;
         }
     }
-    return seen(z, alpha, is_beckmann) / z * sum;
+    return smith_g1(z, alpha, is_beckmann) / z * sum;
 }
 
 TEST(SeparableShadowing, Sampling)
@@ -91,24 +77,15 @@ TEST(SeparableShadowing, Sampling)
 /// layers.
 TEST(SeparableShadowing, IsTheFormula)
 {
-    std::mt19937_64 engine(7);
-    std::uniform_real_distribution<double> uniform;
-    const auto direction = [&] {
-        const double z = 0.05 + 0.95 * uniform(engine), phi = 2 * std::numbers::pi * uniform(engine),
-                     s = std::sqrt(1 - z * z);
-        return V{s * std::cos(phi), s * std::sin(phi), z};
-    };
+    RandomDirections direction;
     for (int k = 0; k < 1000; ++k) {
-        const V o = direction(), i = direction();
-        const float roughness = float(0.3 + 0.6 * uniform(engine));
+        const UnitVector o = direction(), i = direction(), h = half_vector(o, i);
+        const float roughness = float(direction.number(0.3, 0.9));
         const double alpha = double(roughness) * double(roughness);
-        V h{o.x + i.x, o.y + i.y, o.z + i.z};
-        const double length = std::sqrt(h.x * h.x + h.y * h.y + h.z * h.z);
-        h = {h.x / length, h.y / length, h.z / length};
         double t;
         const double f = fresnel(o.x * h.x + o.y * h.y + o.z * h.z, 1.5, t);
         const double e = 1 + h.z * h.z * (alpha * alpha - 1), d = alpha * alpha / (std::numbers::pi * e * e);
-        const double facets = d * seen(o.z, alpha, false) * seen(i.z, alpha, false) / (4 * o.z);
+        const double facets = d * smith_g1(o.z, alpha, false) * smith_g1(i.z, alpha, false) / (4 * o.z);
         const Vec3 wo = lane_direction({o.x, o.y, o.z}), wi = lane_direction({i.x, i.y, i.z});
         EXPECT_NEAR(first(PlasticBsdf(separable(0, roughness)).eval(wo, wi).f_cos.c[0]), f * facets,
                     3e-4 * f * facets + 1e-6);
@@ -134,7 +111,7 @@ TEST(SeparableShadowing, OfWhatPassesABoundary)
                 const double found =
                     first(PlasticBsdf(body).eval(wo, wi).f_cos.c[0]) - first(PlasticBsdf(none).eval(wo, wi).f_cos.c[0]);
                 const auto passes = [&](double angle) {
-                    return let_through(std::cos(angle * std::numbers::pi / 180), alpha, is_beckmann, 1.5);
+                    return transmittance(std::cos(angle * std::numbers::pi / 180), alpha, is_beckmann, 1.5);
                 };
                 const double expected =
                     0.5 / std::numbers::pi / 2.25 / (1 - 0.5 * inner) * passes(degrees) * passes(20) * first(wi.z);

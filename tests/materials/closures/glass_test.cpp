@@ -34,7 +34,7 @@ TEST(Glass, SmoothKeepsAllEnergy)
         }
 }
 
-TEST(Glass, ColourIsWhatASolidLeavesOfLightThatWentInAndOut)
+TEST(Glass, ColorIsTransmittanceOfEnteringAndLeaving)
 {
     MaterialPoint m = material(0.25f, 0);
     for (const bool entering : {true, false}) {

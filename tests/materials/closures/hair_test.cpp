@@ -39,7 +39,7 @@ double f_at(const HairBsdf& bsdf, Direction wo, Direction wi)
 }
 
 /// Fractions of R, TT, TRT and the rest in double precision, by a geometric series of internal reflections.
-std::vector<double> shares(const Fibre& x, double theta)
+std::vector<double> lobe_weights(const Fibre& x, double theta)
 {
     const double cos_theta = std::cos(theta), s = std::sin(theta);
     const double cosine = cos_theta * std::sqrt(1 - x.h * x.h);
@@ -59,7 +59,7 @@ std::vector<double> shares(const Fibre& x, double theta)
 /// function.
 double formula(const Fibre& x, double theta_o, double phi_o, double theta_i, double phi_i)
 {
-    const std::vector<double> a = shares(x, theta_o);
+    const std::vector<double> a = lobe_weights(x, theta_o);
     const double v0 = std::pow(0.726 * x.beta_m + 0.812 * x.beta_m * x.beta_m + 3.7 * std::pow(x.beta_m, 20), 2);
     const double v[] = {v0, v0 / 4, 4 * v0, 4 * v0};
     const double s =
@@ -131,7 +131,7 @@ TEST(Hair, Energy)
                 for (double theta : {0.0, 0.5, -1.2})
                     for (double h : {-0.9, 0.2}) {
                         const Fibre x{beta_m, beta_n, 2 * degree, 1.55, sigma, h};
-                        const std::vector<double> a = shares(x, theta);
+                        const std::vector<double> a = lobe_weights(x, theta);
                         const double expected = a[0] + a[1] + a[2] + a[3];
                         if (sigma == 0) EXPECT_NEAR(expected, 1, 1e-9);
                         EXPECT_NEAR(integral(x.bsdf(), direction(theta, pi_ / 2)), expected, 0.001 * expected)
@@ -194,7 +194,7 @@ TEST(Hair, ScalesAreTilted)
     EXPECT_NEAR(at, -0.2 + 10 * degree, 0.2 * degree);
 }
 
-TEST(Hair, ColourAndAbsorptionAndBack)
+TEST(Hair, ColorAndAbsorptionAreInverse)
 {
     for (float beta_n : {0.05f, 0.3f, 0.9f})
         for (float c : {0.0f, 0.01f, 0.3f, 0.9f, 1.0f}) {

@@ -171,7 +171,7 @@ TEST(Layered, WhiteFromWithin)
 }
 
 /// No combination of layers creates energy.
-TEST(Layered, NothingIsGained)
+TEST(Layered, ConservesEnergy)
 {
     for (const double degrees : {0.0, 70.0, 85.0})
         for (const float roughness : {0.0f, 0.3f, 1.0f})
@@ -191,7 +191,7 @@ TEST(Layered, NothingIsGained)
 }
 
 /// Without additional layers, the closure equals principled.
-TEST(Layered, IsPrincipledWhereNothingIsAdded)
+TEST(Layered, MatchesPrincipledWithoutExtraLayers)
 {
     Random random(4);
     for (const float metallic : {0.0f, 0.3f, 1.0f})
@@ -361,7 +361,7 @@ TEST(Layered, CoatWithoutABoundaryReflectsNothing)
 }
 
 /// A solid applies the root of its transmission color at each boundary, a thin sheet the whole color at once.
-TEST(Layered, ColourOfWhatIsRefracted)
+TEST(Layered, TransmissionColor)
 {
     for (const bool thin : {false, true})
         for (const bool entering : {true, false}) {
@@ -420,7 +420,7 @@ TEST(Layered, OuterLayersAreOutside)
 }
 
 /// Metal reflectance is its color at 0 degrees, and Schlick's value times the edge color at 82 degrees.
-TEST(Layered, EdgeColour)
+TEST(Layered, EdgeColor)
 {
     LayeredMaterialPoint m = layers(0.4f, 0.05f, 1);
     const double degrees = std::acos(1.0 / 7) * 180 / std::numbers::pi;
@@ -510,7 +510,7 @@ std::array<double, 3> film_by_wavelengths(double cosine, double f0, double thick
     return rgb;
 }
 
-TEST(ThinFilm, IsAirysSumSeenByTheEye)
+TEST(ThinFilm, MatchesAirySummation)
 {
     for (const double thickness : {250.0, 400.0, 550.0})
         for (const double cosine : {1.0, 0.7, 0.4})

@@ -118,7 +118,7 @@ TEST(Plastic, LayersAbsorb)
 
 /// Random walk between microfacets and base with sampled normals and Fresnel's equations; samples on a facet's wrong
 /// side are lost, as in pbrt's layered BxDFs.
-double walked(double alpha, double color, double ior, double degrees)
+double random_walk_albedo(double alpha, double color, double ior, double degrees)
 {
     std::mt19937_64 engine(3);
     std::uniform_real_distribution<double> uniform;
@@ -176,7 +176,7 @@ TEST(Plastic, WithoutCompensationAsAWalkBetweenFacetsAndBody)
             for (double color : {0.2, 0.8})
                 for (double degrees : {10.0, 55.0, 75.0})
                     EXPECT_NEAR(albedo(plastic(float(color), float(roughness), float(ior), false), degrees),
-                                walked(roughness * roughness, color, ior, degrees), 0.007)
+                                random_walk_albedo(roughness * roughness, color, ior, degrees), 0.007)
                         << ior << " " << roughness << " " << color << " " << degrees;
 }
 

@@ -28,7 +28,7 @@ ImageFile picture(Primaries primaries)
     return {"picture", file, {}};
 }
 
-TEST(Chromaticities, ColoursAreConvertedNumbersAreNot)
+TEST(Chromaticities, ColorsAreConvertedNumbersAreNot)
 {
     SceneDescription d;
     d.cameras.emplace_back();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "textures/facing.h"
+#include "textures/surface.h"
 
 #include "texture_checks.h"
 
@@ -18,6 +18,17 @@ TEST(FacingTexture, IsTheCosineOnEitherSide)
         EXPECT_NEAR(c[0], 0.8, 1e-6);
         EXPECT_NEAR(c[1], 2.4, 1e-6);
     }
+}
+
+TEST(VertexColorTexture, ShowsTheMeshsColours)
+{
+    TextureFixture f;
+    EXPECT_EQ(f.at(f.add(TextureFixture::of(TextureKind::vertex_color))), (Rgba{0.125f, 0.25f, 0.375f, 0.5f}));
+    // Vertex colors are also available to a node that another one refers to.
+    TextureRecord product = TextureFixture::of(TextureKind::scale);
+    product.color_a = {2, 2, 2, 1};
+    product.texture_a = 0;
+    EXPECT_EQ(f.at(f.add(product)), (Rgba{0.25f, 0.5f, 0.75f, 0.5f}));
 }
 
 }  // namespace

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "textures/dots.h"
+#include "textures/patterns.h"
 
 #include <set>
 
@@ -9,7 +9,7 @@ namespace fathom::test {
 namespace {
 
 /// Cells from -2 to 2 with a dot in pbrt-v4, and the centers of some.
-TEST(DotsTexture, AreWherePbrtHasThem)
+TEST(DotsTexture, MatchPbrt)
 {
     const std::set<std::pair<int, int>> cells = {{-2, -2}, {-1, -1}, {-1, 2}, {0, 1},  {0, 2}, {1, -2},
                                                  {1, -1},  {1, 2},   {2, -2}, {2, -1}, {2, 2}};

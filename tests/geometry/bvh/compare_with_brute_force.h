@@ -11,7 +11,7 @@ namespace fathom {
 inline constexpr TreeBuild tree_builds[] = {TreeBuild::fast, TreeBuild::standard, TreeBuild::high, TreeBuild::compact};
 
 /// Rays from inside and outside: random, axis-aligned, at vertices, in planes of triangles, and short ones.
-inline Rays nasty_rays(const GeometryTables& tables, float radius, std::size_t n, std::uint64_t seed)
+inline Rays difficult_rays(const GeometryTables& tables, float radius, std::size_t n, std::uint64_t seed)
 {
     Random random(seed);
     Rays rays;
@@ -44,7 +44,7 @@ inline Rays nasty_rays(const GeometryTables& tables, float radius, std::size_t n
 }
 
 /// Coherent rays: groups of 64 with nearby origins and directions but different times.
-inline Rays bundles(const GeometryTables& tables, float radius, std::size_t n, std::uint64_t seed)
+inline Rays coherent_rays(const GeometryTables& tables, float radius, std::size_t n, std::uint64_t seed)
 {
     Random random(seed);
     Rays rays;
@@ -81,9 +81,9 @@ inline void expect_same(const GeometryTables& tables, const Hits& got, const Hit
     EXPECT_EQ(wrong, 0u) << what;
 }
 
-inline void compare_with_force(const GeometryTables& tables, const Bvh& bvh, Rays rays, const char* what)
+inline void compare_with_brute_force(const GeometryTables& tables, const Bvh& bvh, Rays rays, const char* what)
 {
-    const Hits expected = cast_by_force(tables, rays);
+    const Hits expected = cast_brute_force(tables, rays);
     for (bool coherent : {false, true}) {
         expect_same(tables, cast(bvh, rays, coherent), expected, rays.count(), what);
         const std::vector<std::uint32_t> blocked = cast_shadows(bvh, rays, coherent);
@@ -93,7 +93,7 @@ inline void compare_with_force(const GeometryTables& tables, const Bvh& bvh, Ray
     }
 }
 
-inline void compare_with_force(const GeometryTables& tables, float radius, std::size_t n, const char* what)
+inline void compare_with_brute_force(const GeometryTables& tables, float radius, std::size_t n, const char* what)
 {
     // The scalar build is slow, so it traces fewer rays.
     if (lanes == 1) n /= 10;
@@ -102,8 +102,8 @@ inline void compare_with_force(const GeometryTables& tables, float radius, std::
         Bvh bvh;
         bvh.build(tables, level);
         const std::size_t rays = level == TreeBuild::standard ? n : n / 4;
-        compare_with_force(tables, bvh, nasty_rays(tables, radius, rays, 7), what);
-        compare_with_force(tables, bvh, bundles(tables, radius, rays / 4, 8), what);
+        compare_with_brute_force(tables, bvh, difficult_rays(tables, radius, rays, 7), what);
+        compare_with_brute_force(tables, bvh, coherent_rays(tables, radius, rays / 4, 8), what);
     }
 }
 

@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <functional>
+#include <string>
+
+#include "fathom/error.h"
+
+namespace fathom::test {
+
+/// The error that an action throws; an empty one if it throws none.
+inline Error error_of(const std::function<void()>& action)
+{
+    try {
+        action();
+    } catch (const Error& error) {
+        return error;
+    }
+    return {"", "", ""};
+}
+
+/// Its message with file and place.
+inline std::string error_text(const std::function<void()>& action)
+{
+    return error_of(action).what();
+}
+
+/// Its message alone.
+inline std::string error_message(const std::function<void()>& action)
+{
+    return error_of(action).message();
+}
+
+}  // namespace fathom::test
