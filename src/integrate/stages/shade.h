@@ -30,7 +30,7 @@ public:
           recorder_(recorder),
           lights_are_sampled_(settings.light_sampling && !tables_.lights.empty()),
           has_light_chance_(settings.skips_light_samples()),
-          has_time_(scene.tables.moving)
+          has_time_(scene.has(Feature::motion))
     {
     }
 
@@ -90,7 +90,7 @@ private:
         clock_.enter(RenderStage::surface);
         count_vertices(counters_, valid);
         PathPool& p = *paths_;
-        const auto [key, state, bounce, seed, index] = Randomness(p, i, scene_.open_media);
+        const auto [key, state, bounce, seed, index] = Randomness(p, i, scene_.has(Feature::open_media));
         const Float time = has_time_ ? p.time.load(i) : Float(0);
         const SurfaceHit hit{p.origin.load(i),
                              p.direction.load(i),
@@ -100,13 +100,13 @@ private:
                              time,
                              hits_->primitive.load(i),
                              scene_.is_flat ? UInt(no_index) : hits_->instance.load(i),
-                             scene_.has_mixtures ? hits_->material.load(i) : UInt(no_index)};
+                             scene_.has(Feature::mixtures) ? hits_->material.load(i) : UInt(no_index)};
         MediumStack media;
-        if (scene_.tracks_media) media = p.media.load(i);
-        ShadingPoint<Closure> at = read_shading_point<Closure>(surfaces_, materials_, hit,
-                                                               scene_.tracks_media ? &media : nullptr, valid, clock_);
+        if (scene_.has(Feature::media_stacks)) media = p.media.load(i);
+        ShadingPoint<Closure> at = read_shading_point<Closure>(
+            surfaces_, materials_, hit, scene_.has(Feature::media_stacks) ? &media : nullptr, valid, clock_);
         Spectrum throughput = p.throughput.load(i);
-        if (scene_.one_sided && !Closure::transmits) throughput = black_on_back(at, throughput, valid);
+        if (scene_.has(Feature::one_sided) && !Closure::transmits) throughput = black_on_back(at, throughput, valid);
         if constexpr (is_layered<Closure> && Closure::transmits) choose_channel(key, seed, at.material, throughput);
         const Closure closure(at.material);
         clock_.enter(RenderStage::light);
@@ -123,22 +123,23 @@ private:
         UInt next_state = (state & UInt(~PathPool::specular)) + UInt(1u);
         next_state = next_state | select(next.is_delta, UInt(PathPool::specular), UInt(PathPool::scattered));
         Mask undeflected(false), no_bounce(false);
-        if (Closure::kind == ClosureKind::glass && scene_.transmissive_shadows)
+        if (Closure::kind == ClosureKind::glass && scene_.has(Feature::transmissive_shadows))
             pass_interface(i, at, next.wi, valid & (hit.material == UInt(no_index)), state, next_state, undeflected,
                            no_bounce);
         Float eta_scale(1.f);
-        if (scene_.refracts) {
+        if (scene_.has(Feature::transmission)) {
             eta_scale = p.eta_scale.load(i) * next.eta * next.eta;
             p.eta_scale.store(i, eta_scale, valid);
         }
-        if (Closure::transmits && scene_.tracks_media) {
+        if (Closure::transmits && scene_.has(Feature::media_stacks)) {
             MediumStack beyond = at.media_beyond;
             if constexpr (is_layered<Closure>) beyond = select(next.enters_subsurface, at.media_below, beyond);
             p.media.store(i, select(dot(next.wi, at.ng) < Float(0), beyond, at.media), valid);
             if constexpr (is_layered<Closure>)
-                if (scene_.textured_media) store_subsurface_medium(i, valid & next.enters_subsurface, at);
+                if (scene_.has(Feature::textured_media)) store_subsurface_medium(i, valid & next.enters_subsurface, at);
         }
-        if (scene_.scatters_inside && !scene_.open_media) p.walk_steps.store(i, UInt(0u), valid);
+        if (scene_.has(Feature::scattering_media) && !scene_.has(Feature::open_media))
+            p.walk_steps.store(i, UInt(0u), valid);
         Roulette roulette = roulette_by_throughput(settings_, bounce, eta_scale, next.throughput);
         if (guidance.is_on()) {
             const Float chance = mean(throughput * at.material.base_color) * guidance.survival_factor();
@@ -147,7 +148,7 @@ private:
         roulette.plays &= !no_bounce;
         Mask ends = apply_roulette(roulette, key, seed, next.throughput);
         // A path that could only continue through a null interface and did not is finished.
-        if (Closure::kind == ClosureKind::glass && scene_.transmissive_shadows)
+        if (Closure::kind == ClosureKind::glass && scene_.has(Feature::transmissive_shadows))
             ends |= !no_bounce & !may_scatter(settings_, bounce);
         next_state = select(ends, next_state | UInt(PathPool::dead), next_state);
         Float exit_offset = at.exit_offset(next.wi);
@@ -155,7 +156,7 @@ private:
         // weight.
         Float mis_pdf = next.pdf;
         if (has_light_chance_) mis_pdf = mis_pdf / abs(p.nee_probability.load(i));
-        if (Closure::kind == ClosureKind::glass && scene_.transmissive_shadows) {
+        if (Closure::kind == ClosureKind::glass && scene_.has(Feature::transmissive_shadows)) {
             mis_pdf = select(undeflected, p.bsdf_pdf.load(i), mis_pdf);
             exit_offset =
                 select(undeflected, p.exit_offset.load(i) + dot(at.start(next.wi) - hit.o, hit.d), exit_offset);
@@ -167,7 +168,7 @@ private:
         p.direction.store(i, next.wi, valid);
         p.throughput.store(i, next.throughput, valid);
         p.bsdf_pdf.store(i, mis_pdf, valid);
-        if (scene_.has_exit_offset) p.exit_offset.store(i, exit_offset, valid);
+        if (scene_.has(Feature::exit_offsets)) p.exit_offset.store(i, exit_offset, valid);
         p.state.store(i, next_state, valid);
     }
 
@@ -182,7 +183,7 @@ private:
         undeflected = (there.pane & (dot(wi, at.ng) < Float(0))) | there.open;
         no_bounce = there.no_bounce & undeflected;
         next_state = select(undeflected, state + UInt(1u), next_state);
-        if (!scene_.open_media) return;
+        if (!scene_.has(Feature::open_media)) return;
         // Passing an open boundary counts as a step, so that the next vertex uses new random numbers.
         const UInt step = paths_->walk_steps.load(i) + UInt(1u);
         paths_->walk_steps.store(i, step, no_bounce);
@@ -244,11 +245,11 @@ private:
         Mask lit = valid & (s.inverse_pdf > Float(0));
         Spectrum add = direct_light(closure, at, guidance, s, throughput, lit);
         MediumStack media;
-        if (scene_.tracks_media) {
+        if (scene_.has(Feature::media_stacks)) {
             const Mask beyond = Closure::transmits ? dot(s.wi, at.ng) < Float(0) : Mask(false);
             media = select(beyond, at.media_beyond, at.media);
         }
-        if (scene_.has_absorption && !scene_.transmissive_shadows)
+        if (scene_.has(Feature::attenuation) && !scene_.has(Feature::transmissive_shadows))
             add = add * transmittance(extinction_of(scene_, *paths_, i, media.current(), lit), s.distance);
         lit &= any_positive(add);
         if (guidance.is_on()) roulette_shadow_ray(guidance, mean(add) * s.likely, key, seed, add, lit);
@@ -257,7 +258,7 @@ private:
         const Ray ray = shadow_ray(at, eye, s, time);
         if (!scene_.is_flat) {
             const UInt path = iota() + UInt(std::uint32_t(i));
-            if (scene_.transmissive_shadows)
+            if (scene_.has(Feature::transmissive_shadows))
                 shadows_.push(ray, add, media, path, s.needs_environment_radiance, lit);
             else
                 shadows_.push(ray, add, path, s.needs_environment_radiance, lit);

@@ -47,7 +47,7 @@ public:
             const UInt medium = p.media.load(i).current();
             const Mask inside = first_lanes(active - i) & (medium != UInt(0u));
             if (none(inside)) continue;
-            if (scene_.scatters_inside) {
+            if (scene_.has(Feature::scattering_media)) {
                 const Spectrum scattering = scattering_of(scene_, p, i, medium, inside);
                 const Mask scatters = inside & any_positive(scattering);
                 if (any(scatters)) scatter_in_medium(p, hits, i, medium, scattering, scatters);
@@ -57,7 +57,7 @@ public:
                 attenuate(p, hits, i, medium, inside);
             }
         }
-        if (!scene_.open_media) return;
+        if (!scene_.has(Feature::open_media)) return;
         clock_.enter(RenderStage::shadow);
         counters_.costs.clear_shadow_rays += shadows_.trace(scene_, p, settings_, clock_);
         clock_.enter(RenderStage::arrival);
@@ -90,7 +90,7 @@ private:
         const Mask turns = m & (way.distance() < t_hit);
         Spectrum next = throughput * select(turns, way.scattered(scattering), way.passed(t_hit));
         Mask open(false);
-        if (scene_.open_media) {
+        if (scene_.has(Feature::open_media)) {
             open = turns & (gather(tables_.media, &MediumRecord::is_index_matched, medium, m) != UInt(0u));
             // The step count selects the random numbers at the boundary ahead, if it is passed.
             p.walk_steps.store(i, step, m);
@@ -116,7 +116,7 @@ private:
         p.direction.store(i, normalize(Frame(d).to_world(turned)), turns);
         p.walk_steps.store(i, step, turns);
         p.bsdf_pdf.store(i, select(open, phase_pdf(g, turned.z), Float(0)), turns);
-        if (scene_.has_exit_offset) p.exit_offset.store(i, Float(0), turns);
+        if (scene_.has(Feature::exit_offsets)) p.exit_offset.store(i, Float(0), turns);
         // The path counts as having left the camera: first hits are not recorded through a scattering medium.
         const Mask from_camera = bounce == UInt(0u);
         const UInt left = select(counts | from_camera, UInt(1u), UInt(0u));
@@ -134,7 +134,7 @@ private:
                                         const SampleKey& key, UInt group, const Spectrum& scattered, Mask m)
     {
         const UInt seed = group_seed(key, group);
-        const Float time = tables_.moving ? p.time.load(i) : Float(0);
+        const Float time = scene_.has(Feature::motion) ? p.time.load(i) : Float(0);
         const LightSample s = lights_.sample(m, at, key, seed, sample_2d(key, pair_seed(seed, pair_light)), time);
         const Float pdf = phase_pdf(anisotropy, dot(s.wi, p.direction.load(i)));
         const Spectrum light = scattered * s.radiance * (pdf * light_weight(s, pdf));

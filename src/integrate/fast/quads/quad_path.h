@@ -38,9 +38,10 @@ public:
     {
         clock_.enter(RenderStage::quads);
         lights_are_sampled_ = settings.light_sampling && !tables_.lights.empty();
-        sees_background_ = scene.needs_environment_radiance || settings.background.given;
+        sees_background_ = scene.has(Feature::environment) || settings.background.given;
         for (std::uint32_t kind = 0; kind < closure_kind_count && !all_plain; ++kind)
-            if (scene.has_closure(kind)) others_[other_kinds_].kind = kind, others_[other_kinds_++].end = 0;
+            if (scene.closures.has(ClosureKind(kind)))
+                others_[other_kinds_].kind = kind, others_[other_kinds_++].end = 0;
     }
 
     /// Traces all paths of the job.
@@ -82,7 +83,7 @@ private:
         for (std::size_t i = 0; i < done; i += lanes) bounce_by_closure(p, i, first_lanes(done - i));
         for (std::size_t i = done; i < active; ++i, ++p.end) {
             const auto move = [&](auto& column) { column[p.end] = column[i]; };
-            p.for_all(scene_.refracts, move);
+            p.for_all(scene_.has(Feature::transmission), move);
             move(p.direction.x), move(p.direction.y), move(p.direction.z), move(p.offset);
         }
     }
@@ -125,7 +126,8 @@ private:
         Spectrum left = p.throughput.load(i) * scene_.quads.color(p.quad(i));
         Spectrum sum;
         for (int c = 0; c < channels; ++c) sum.c[c] = fma(left.c[c], light.c[c], p.radiance.c[c].load(i));
-        continue_path(at, p, i, valid, seed, !all_plain && scene_.refracts ? p.eta_scale.load(i) : Float(1), left, sum);
+        continue_path(at, p, i, valid, seed,
+                      !all_plain && scene_.has(Feature::transmission) ? p.eta_scale.load(i) : Float(1), left, sum);
     }
 
     /// Next event estimation and the next direction for paths on other quads, stored from index i on.
@@ -153,7 +155,7 @@ private:
         Spectrum sum = p.radiance.load(i);
         if (any(next.lit)) sum = sum + select(clear(next.shadow, next.lit), next.direct, Spectrum(Float(0)));
         Float eta_scale(1);
-        if (scene_.refracts) eta_scale = p.eta_scale.load(i) * next.by.eta * next.by.eta;
+        if (scene_.has(Feature::transmission)) eta_scale = p.eta_scale.load(i) * next.by.eta * next.by.eta;
         NextHit<From::other> at{next.start, next.by.wi, next.by.pdf, valid};
         at.specular = next.by.is_delta;
         at.scattered = !next.by.is_delta | ((p.place.load(i) & UInt(QuadPool::scattered)) != UInt(0u));
@@ -201,7 +203,7 @@ private:
     {
         at.store_vertex(*this, p, bounces, m, end);
         p.throughput.append(end, left, m), p.radiance.append(end, sum, m);
-        if (!all_plain && scene_.refracts) p.eta_scale.append(end, eta_scale, m);
+        if (!all_plain && scene_.has(Feature::transmission)) p.eta_scale.append(end, eta_scale, m);
         p.pixel_hash.append(end, key.pixel_hash, m), p.reversed_index.append(end, key.reversed_index, m);
         p.pixel.append(end, pixel, m);
         end += std::size_t(count(m));
