@@ -111,7 +111,7 @@ private:
         const Vec3 at = fma(d, clamp_to_segment(o, way.distance(), t_hit), o);
         const Mask lit = open & may_scatter(settings_, bounce);
         if (lights_are_sampled_ && any(lit))
-            sample_light(p, i, at, g, key, step << 16 | UInt(light_group) | (bounce + UInt(1u)), scattered, lit);
+            sample_light(p, {i, at, g, key, step << 16 | UInt(light_group) | (bounce + UInt(1u)), scattered}, lit);
         p.origin.store(i, at, turns);
         p.direction.store(i, normalize(Frame(d).to_world(turned)), turns);
         p.walk_steps.store(i, step, turns);
@@ -128,11 +128,19 @@ private:
         hits.primitive.store(i, UInt(no_index), turns);
     }
 
-    /// Next event estimation at scattering events: queues the shadow rays. scattered: throughput after scattering,
-    /// without the factor of the phase function.
-    [[gnu::noinline]] void sample_light(const PathPool& p, std::size_t i, const Vec3& at, Float anisotropy,
-                                        const SampleKey& key, UInt group, const Spectrum& scattered, Mask m)
+    /// Scattering events of a gang of paths in a medium.
+    struct ScatteringEvents {
+        std::size_t i;  ///< of the gang's first path
+        Vec3 at;
+        Float anisotropy;
+        SampleKey key;
+        UInt group;          ///< of the light sample's random dimensions
+        Spectrum scattered;  ///< throughput after scattering, without the factor of the phase function
+    };
+    /// Next event estimation at scattering events: queues the shadow rays.
+    [[gnu::noinline]] void sample_light(const PathPool& p, const ScatteringEvents& events, Mask m)
     {
+        const auto& [i, at, anisotropy, key, group, scattered] = events;
         const UInt seed = group_seed(key, group);
         const Float time = scene_.has(Feature::motion) ? p.time.load(i) : Float(0);
         const LightSample s = lights_.sample(m, at, key, seed, sample_2d(key, pair_seed(seed, pair_light)), time);
