@@ -476,8 +476,7 @@ void render_job(const KernelScene& scene, const CameraRecord& camera, const Kern
         const std::unique_ptr<Tracer> tracer(new Tracer(lane_scene, camera, settings, job, sums, counters));
         tracer->run();
     };
-    if (!lane_scene.has(Feature::only_quads) || settings.general_loop || settings.clamp_indirect > 0)
-        run(std::type_identity<PathTracer>());
+    if (!lane_scene.has(Feature::only_quads) || settings.clamp_indirect > 0) run(std::type_identity<PathTracer>());
     // The quad loops do not record paths: they are faster without guiding than the general loop is with it.
     else if (job.records)
         return;

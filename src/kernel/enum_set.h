@@ -11,6 +11,7 @@ public:
     constexpr bool has(E value) const { return (bits_ & bit(value)) != 0; }
     /// Adds the value if `wanted` is true.
     constexpr void add(E value, bool wanted = true) { bits_ |= wanted ? bit(value) : 0; }
+    constexpr void remove(E value) { bits_ &= ~bit(value); }
 
 private:
     static constexpr std::uint32_t bit(E value) { return 1u << std::uint32_t(value); }

@@ -45,6 +45,7 @@ struct LaneScene final : KernelScene {
     std::size_t memory_bytes() const override;
     bool has_tree() const override { return !is_flat; }
     void update(const std::vector<std::uint32_t>& shapes) override;
+    void force_general_loop() override { features.remove(Feature::only_quads); }
 
     bool has(Feature feature) const { return features.has(feature); }
     /// shape_info of the shape that was hit; 0 outside the mask.
