@@ -103,7 +103,6 @@ private:
         Spectrum sum(Float(0));
         at.add_radiance(*this, Spectrum(Float(1)), sum);
         const Mask continues = at.continues() & may_scatter(settings_, UInt(0u));
-        clock_.enter(RenderStage::film);
         ended_.add(valid & !continues, path.pixel, path.key.reversed_index, sum);
         store_path(at, continues, {UInt(0u), Spectrum(Float(1)), sum, Float(1), path.key, path.pixel});
     }
@@ -137,7 +136,6 @@ private:
     /// Next event estimation and the next direction for paths on other quads, stored from index i on.
     [[gnu::noinline, gnu::flatten]] void bounce_by_closure(const ClosureQuadPool& p, std::size_t i, Mask valid)
     {
-        clock_.enter(RenderStage::surface);
         count_vertices(counters_, valid);
         const VertexRandom random(p.key(i), p.bounces(i) + UInt(1u));
         const UInt quad = p.quad(i);
@@ -181,7 +179,6 @@ private:
         at.intersect(*this);
         at.add_radiance(*this, left, sum);
         const Mask continues = at.continues() & may_scatter(settings_, before + UInt(1u));
-        clock_.enter(RenderStage::film);
         ended_.add(valid & !continues, p.pixel.load(i), p.reversed_index.load(i), sum);
         store_path(at, continues, {before + UInt(1u), left, sum, eta_scale, p.key(i), p.pixel.load(i)});
     }
@@ -190,7 +187,6 @@ private:
     template <From from>
     [[gnu::always_inline]] void store_path(const NextHit<from>& at, Mask continues, const Continued& path)
     {
-        clock_.enter(RenderStage::sort);
         if constexpr (all_plain) {
             store_in(plain_, plain_end_, at, path, continues);
         } else {
@@ -285,7 +281,6 @@ private:
         /// sampling.
         [[gnu::always_inline]] void add_radiance(QuadTracer& tracer, const Spectrum& left, Spectrum& sum)
         {
-            tracer.clock_.enter(RenderStage::arrival);
             const UInt shining_side =
                 select(facing > Float(0), UInt(QuadColumns::emits_front), UInt(QuadColumns::emits_back));
             Mask emits = hits & ((flags & shining_side) != UInt(0u));
