@@ -44,7 +44,7 @@ allowed = {
     "film": {"base", "scene"},
     "film/file": {"base", "film", "image"},
     "formats": {"base", "scene", "image"},
-    "presentation": {"scene", "compile", "lights/environment/studio"},
+    "presentation": {"scene", "compile", "math", "lights/environment/studio"},
     "session": {"compile", "film", "guiding", "kernel"},
 }
 for station in stations:
@@ -56,6 +56,7 @@ only = {
     ("textures", "materials"): {"materials/records.h"},
     ("session", "kernel"): {"kernel/kernel.h"},
     ("session", "guiding"): {"guiding/records.h"},
+    ("presentation", "math"): {"math/luminance.h"},
     ("film/file", "image"): {"image/codecs/exr_parts.h"},
 }
 # Host code may include records, tables and the kernel's interface, but no lane code.

@@ -45,9 +45,6 @@ void add_path_options(Command& command, SettingsOptions& o)
                        "exposure. Biased: removes fireflies, but darkens caustics and bright corners",
                        "no limit"},
                       [&](const std::string& text) { o.clamp_indirect = parse_number(text, 1e-6, 1e30); });
-    command.add_value({"--loop", "general|fast",
-                       "general: render rooms made of quads with the general loop, too (for debugging)", "fast"},
-                      [&](const std::string& text) { o.general_loop = parse_choice(text, {"fast", "general"}) == 1; });
 }
 
 }  // namespace
@@ -98,7 +95,6 @@ RenderSettings resolve_settings(const SettingsOptions& o, const RenderHints& hin
     settings.filter = o.filter.value_or(settings.filter);
     settings.light_selection = o.light_selection;
     settings.guiding = o.guiding.value_or(false);
-    settings.general_loop = o.general_loop;
     settings.background = o.background ? o.background : hints.background;
     settings.alpha = o.transparent;
     if (o.clamp_indirect) settings.clamp_indirect = float(*o.clamp_indirect);

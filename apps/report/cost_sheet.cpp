@@ -13,7 +13,7 @@ namespace {
 constexpr const char* ray_kind_names[] = {"camera", "bounce", "shadow"};
 static_assert(std::size(ray_kind_names) == ray_kind_count);
 constexpr const char* stage_names[] = {"camera", "trace",   "arrival", "sort", "surface", "material",
-                                       "light",  "scatter", "shadow",  "film", "quads",   "learn"};
+                                       "light",  "scatter", "shadow",  "film", "learn"};
 static_assert(std::size(stage_names) == render_stage_count);
 
 double ratio(double a, double b)

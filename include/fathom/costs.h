@@ -27,11 +27,10 @@ enum class RenderStage : std::uint32_t {
     scatter,   ///< BSDF sampling and Russian roulette.
     shadow,    ///< Shadow rays.
     film,      ///< Addition of samples to the film.
-    quads,  ///< The specialized loop for scenes of smooth diffuse quads, except for the stages above that it reports.
-    learn,  ///< Learning of the guiding distributions.
+    learn,     ///< Learning of the guiding distributions.
 };
 /// Number of values of RenderStage.
-inline constexpr std::size_t render_stage_count = 12;
+inline constexpr std::size_t render_stage_count = 11;
 
 /// Counters and times of a render.
 struct RenderCosts {

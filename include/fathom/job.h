@@ -80,9 +80,6 @@ struct RenderSettings {
     /// Maximum contribution of a sample's indirect light (at least two scattering events) to each channel. It removes
     /// fireflies at the price of bias. Emission seen directly and direct lighting are not clamped.
     std::optional<float> clamp_indirect;
-    /// Disables the specialized loop for scenes of smooth diffuse quads (for debugging). Both loops compute the same
-    /// estimator, but not the same bits.
-    bool general_loop = false;
     bool measure = false;  ///< Measures the time of each stage: RenderCosts::seconds of Progress::costs.
 
     /// Returns the pixels that are rendered: the crop, or else the whole image.

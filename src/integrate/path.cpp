@@ -33,16 +33,8 @@ public:
           lights_(scene, settings.light_selection, false),
           settings_(settings),
           lights_are_sampled_(settings.light_sampling && !tables_.lights.empty()),
-          extras_{.time = tables_.moving,
-                  .eta_scale = scene.refracts,
-                  .media = scene.tracks_media,
-                  .clamp = settings.clamp_indirect > 0,
-                  .nee_probability = settings.skips_light_samples(),
-                  .number = job.records != nullptr,
-                  .walks = scene.scatters_inside || scene.open_media,
-                  .walk_textures = scene.textured_media,
-                  .transmissive_shadows = scene.transmissive_shadows},
-          camera_media_(scene.tracks_media ? media_at(scene, camera) : MediumStack()),
+          columns_(path_columns(scene.features, settings, job.records != nullptr)),
+          camera_media_(scene.has(Feature::media_stacks) ? media_at(scene, camera) : MediumStack()),
           camera_paths_(scene, camera, settings, job),
           first_hits_(scene, camera, settings.aovs, sums),
           sums_(sums),
@@ -67,7 +59,7 @@ public:
             if (active == 0) break;
             clock_.enter(RenderStage::trace);
             trace(fresh, active);
-            if (scene_.camera_passes_surfaces) see_through_.pass_surfaces(*paths_, hits_, fresh, active);
+            if (scene_.has(Feature::camera_pass_through)) see_through_.pass_surfaces(*paths_, hits_, fresh, active);
             clock_.enter(RenderStage::arrival);
             if (recorder_.is_on()) recorder_.record_light_samples(*paths_, active);
             active = process_hits(active);
@@ -109,10 +101,10 @@ private:
         p.eta_scale.store(to, Float(1));
         p.time.store(to, path.ray.time);
         p.media.store(to, camera_media_);
-        if (extras_.clamp) p.indirect_left.store(to, Float(settings_.clamp_indirect));
+        if (columns_.has(PathColumn::indirect_left)) p.indirect_left.store(to, Float(settings_.clamp_indirect));
         p.walk_steps.store(to, UInt(0u));
-        if (extras_.number) p.number.store(to, iota() + UInt(first));
-        if (extras_.walk_textures) forget_medium(p, to);
+        if (columns_.has(PathColumn::number)) p.number.store(to, iota() + UInt(first));
+        if (columns_.has(PathColumn::walk_coefficients)) forget_medium(p, to);
     }
 
     // ------------------------------------------------------------------------------------------- trace
@@ -129,7 +121,7 @@ private:
         }
         for (std::size_t i = 0; i < active; i += lanes) {
             const Ray ray{p.origin.load(i), p.direction.load(i), Float(infinity),
-                          extras_.time ? p.time.load(i) : Float(0)};
+                          columns_.has(PathColumn::time) ? p.time.load(i) : Float(0)};
             const Hit hit = scene_.flat.closest(tables_, ray);
             hits_.t.store(i, hit.t);
             hits_.primitive.store(i, hit.primitive);
@@ -149,7 +141,7 @@ private:
                              &p.direction.y[begin],
                              &p.direction.z[begin],
                              nullptr,
-                             extras_.time ? &p.time[begin] : nullptr,
+                             columns_.has(PathColumn::time) ? &p.time[begin] : nullptr,
                              end - begin};
         scene_.bvh.closest(
             rays, {&hits_.t[begin], &hits_.u[begin], &hits_.v[begin], &hits_.primitive[begin], &hits_.instance[begin]},
@@ -162,13 +154,13 @@ private:
     /// spare pool, followed by those that a medium scattered. Returns the number of paths that continue.
     std::size_t process_hits(std::size_t active)
     {
-        if (scene_.has_absorption) walk_.run(*paths_, hits_, active);
-        if (scene_.has_mixtures) mixtures_.choose(*paths_, hits_, active, extras_.time);
+        if (scene_.has(Feature::attenuation)) walk_.run(*paths_, hits_, active);
+        if (scene_.has(Feature::mixtures)) mixtures_.choose(*paths_, hits_, active, columns_.has(PathColumn::time));
         std::size_t emitting = 0, missing = 0, finished = 0, walking = 0;
         PathPool& p = *paths_;
         for (std::size_t i = 0; i < active; i += lanes) {
             Mask valid = first_lanes(active - i);
-            if (scene_.scatters_inside) {
+            if (scene_.has(Feature::scattering_media)) {
                 const Mask walks = valid & (hits_.t.load(i) < Float(0));
                 append_indices(walks, i, walking_, walking);
                 valid &= !walks;
@@ -179,15 +171,15 @@ private:
             surfaces_.fetch_indices(primitive, hit);
             const UInt info = scene_.shape_info_of(primitive, instance, hit);
             append_indices(hit & ((info & UInt(LaneScene::emits)) != UInt(0u)), i, emitting_, emitting);
-            if (scene_.needs_environment_radiance || settings_.background.given)
+            if (scene_.has(Feature::environment) || settings_.background.given)
                 append_indices(valid & !hit, i, missing_, missing);
             UInt bucket = info & UInt(LaneScene::bucket_mask);
-            if (scene_.has_mixtures) bucket = mixtures_.bucket(hits_.material.load(i), bucket, hit);
+            if (scene_.has(Feature::mixtures)) bucket = mixtures_.bucket(hits_.material.load(i), bucket, hit);
             const Mask scatters = hit & !less(bucket, UInt(1u << LaneScene::kind_shift)) &
                                   (may_scatter(settings_, p.state.load(i) & UInt(PathPool::bounce_mask)) |
                                    ((info & UInt(LaneScene::passes_without_bounce)) != UInt(0u)));
             append_indices(valid & !scatters, i, finished_, finished);
-            if (extras_.nee_probability) bucket = bucket | choose_light_chance(i, scatters);
+            if (columns_.has(PathColumn::nee_probability)) bucket = bucket | choose_light_chance(i, scatters);
             buckets_.store(i, select(scatters, bucket, UInt(0u)));
         }
         if (first_hits_.wanted()) add_first_hits(active);
@@ -200,12 +192,12 @@ private:
         }
         clock_.enter(RenderStage::sort);
         // Without textures, sorting by material gains nothing.
-        const std::size_t packed = scene_.textured ? pack_by_material(active) : pack_by_kind(active);
+        const std::size_t packed = scene_.has(Feature::textures) ? pack_by_material(active) : pack_by_kind(active);
         const auto append = [&](const auto& from, auto& to) {
             for (std::size_t k = 0; k < walking; ++k) to[packed + k] = from[walking_[k]];
         };
         if (walking > 0) {
-            PathPool::for_each_live_column(*paths_, *spare_, extras_, append);
+            PathPool::for_each_live_column(*paths_, *spare_, columns_, append);
             append(paths_->bsdf_pdf, spare_->bsdf_pdf);
             append(paths_->exit_offset, spare_->exit_offset);
         }
@@ -247,14 +239,14 @@ private:
                     const Mask m = (buckets_.load(i) & UInt(mask)) == UInt(wanted);
                     if (none(m)) continue;
                     const auto append = [&](const auto& from, auto& to) { to.append(packed, from.load(i), m); };
-                    PathPool::for_each_live_column(*paths_, *spare_, extras_, append);
-                    HitColumns::for_all(hits_, packed_hits_, !scene_.is_flat, scene_.has_mixtures, append);
+                    PathPool::for_each_live_column(*paths_, *spare_, columns_, append);
+                    HitColumns::for_all(hits_, packed_hits_, !scene_.is_flat, scene_.has(Feature::mixtures), append);
                     packed += std::size_t(count(m));
                 }
             };
-            if (scene_.has_closure(kind)) {
+            if (scene_.closures.has(ClosureKind(kind))) {
                 const std::uint32_t any_material = ~((1u << LaneScene::kind_shift) - 1);
-                if (extras_.nee_probability)
+                if (columns_.has(PathColumn::nee_probability))
                     pack(any_material, kind << LaneScene::kind_shift | LaneScene::samples_light);
                 pack(any_material, kind << LaneScene::kind_shift);
             }
@@ -276,8 +268,8 @@ private:
                 for (std::uint32_t bucket = begin; bucket < begin + (1u << LaneScene::kind_shift); ++bucket)
                     packed += std::exchange(place[bucket], packed);
             };
-            if (scene_.has_closure(kind)) {
-                if (extras_.nee_probability) give_places(LaneScene::samples_light);
+            if (scene_.closures.has(ClosureKind(kind))) {
+                if (columns_.has(PathColumn::nee_probability)) give_places(LaneScene::samples_light);
                 give_places(0);
             }
             kind_end_[kind] = packed;
@@ -288,8 +280,8 @@ private:
         const auto permute = [&](const auto& from, auto& to) {
             for (std::size_t i = 0; i < packed; ++i) to[i] = from[order_[i]];
         };
-        PathPool::for_each_live_column(*paths_, *spare_, extras_, permute);
-        HitColumns::for_all(hits_, packed_hits_, !scene_.is_flat, scene_.has_mixtures, permute);
+        PathPool::for_each_live_column(*paths_, *spare_, columns_, permute);
+        HitColumns::for_all(hits_, packed_hits_, !scene_.is_flat, scene_.has(Feature::mixtures), permute);
         return packed;
     }
 
@@ -323,7 +315,7 @@ private:
             finish(i);
             --active;
             if (i == active) continue;
-            PathPool::for_each_live_column(p, p, extras_, [&](auto& column, auto&) { column[i] = column[active]; });
+            PathPool::for_each_live_column(p, p, columns_, [&](auto& column, auto&) { column[i] = column[active]; });
             p.bsdf_pdf[i] = p.bsdf_pdf[active];
             p.exit_offset[i] = p.exit_offset[active];
         }
@@ -338,7 +330,7 @@ private:
         const PathPool& p = *paths_;
         return {p.origin.gather(index, m),        p.direction.gather(index, m),
                 hits_.t.gather(index, m),         hits_.u.gather(index, m),
-                hits_.v.gather(index, m),         extras_.time ? p.time.gather(index, m) : Float(0),
+                hits_.v.gather(index, m),         columns_.has(PathColumn::time) ? p.time.gather(index, m) : Float(0),
                 hits_.primitive.gather(index, m), scene_.is_flat ? UInt(no_index) : hits_.instance.gather(index, m)};
     }
 
@@ -348,7 +340,7 @@ private:
     {
         PathPool& p = *paths_;
         const UInt index = numbers.load(at);
-        if (extras_.clamp) weight = weight * indirect_scale(index, emitted * weight, m);
+        if (columns_.has(PathColumn::indirect_left)) weight = weight * indirect_scale(index, emitted * weight, m);
         for (int c = 0; c < channels; ++c) {
             const Float old = p.radiance.c[c].gather(index, m);
             const Float throughput = p.throughput.c[c].gather(index, m);
@@ -391,7 +383,7 @@ private:
             if (const Mask shared = shows & (light != UInt(no_index)) & !specular; any(shared)) {
                 const UInt number = select(shared, light, UInt(0u));
                 const Float pdf = p.bsdf_pdf.gather(index, m);
-                const Float exit_offset = scene_.has_exit_offset ? p.exit_offset.gather(index, m) : Float(0);
+                const Float exit_offset = scene_.has(Feature::exit_offsets) ? p.exit_offset.gather(index, m) : Float(0);
                 weight = select(shared,
                                 lights_.emission_weight_of(number, fma(hit.d, -exit_offset, hit.o), hit.time, hit.d,
                                                            hit.t + exit_offset, hit.u, pdf, shared),
@@ -424,15 +416,15 @@ private:
         for (std::size_t i = 0; i < active; i += lanes) {
             const UInt state = p.state.load(i);
             const Mask valid = first_lanes(active - i);
-            if (scene_.open_media)
+            if (scene_.has(Feature::open_media))
                 first_hits_.add_scattered(PathPool::pixel_of(state),
                                           valid & (hits_.t.load(i) == Float(MediumStage::scattered_first)));
             const Mask m = valid & ((state & UInt(PathPool::bounce_mask)) == UInt(0u));
             const Mask hits = m & (hits_.primitive.load(i) != UInt(no_index));
             if (none(hits)) continue;
             SurfaceHit hit = gather_hit(iota() + UInt(std::uint32_t(i)), hits);
-            if (scene_.has_mixtures) hit.material = hits_.material.load(i);
-            if (scene_.open_media) {
+            if (scene_.has(Feature::mixtures)) hit.material = hits_.material.load(i);
+            if (scene_.has(Feature::open_media)) {
                 // Depth counts from the camera, which lies before all open boundaries that the ray has passed.
                 const Float way = p.exit_offset.load(i);
                 hit.o = fma(hit.d, -way, hit.o), hit.t = hit.t + way;
@@ -448,7 +440,7 @@ private:
     const LightSampler lights_;
     const KernelSettings& settings_;
     const bool lights_are_sampled_;
-    const PathExtras extras_;
+    const PathColumns columns_;
     const MediumStack camera_media_;
     const CameraPaths camera_paths_;
     FirstHits first_hits_;
@@ -484,12 +476,11 @@ void render_job(const KernelScene& scene, const CameraRecord& camera, const Kern
         const std::unique_ptr<Tracer> tracer(new Tracer(lane_scene, camera, settings, job, sums, counters));
         tracer->run();
     };
-    if (!lane_scene.only_quads || settings.general_loop || settings.clamp_indirect > 0)
-        run(std::type_identity<PathTracer>());
+    if (!lane_scene.has(Feature::only_quads) || settings.clamp_indirect > 0) run(std::type_identity<PathTracer>());
     // The quad loops do not record paths: they are faster without guiding than the general loop is with it.
     else if (job.records)
         return;
-    else if (lane_scene.only_plain_quads)
+    else if (lane_scene.has(Feature::only_plain_quads))
         run(std::type_identity<QuadTracer<true>>());
     else
         run(std::type_identity<QuadTracer<false>>());

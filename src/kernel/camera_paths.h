@@ -70,7 +70,7 @@ public:
         Sample2 lens{Float(0.5f), Float(0.5f)};
         if (camera_.lens_radius > 0) lens = sample_2d(path.key, pair_seed(seed, pair_lens));
         Float time(0.f);
-        if (scene_.tables.moving) time = sample_2d(path.key, pair_seed(seed, pair_time)).x;
+        if (scene_.has(Feature::motion)) time = sample_2d(path.key, pair_seed(seed, pair_time)).x;
         path.ray = camera_ray(camera_, film_x, film_y, lens, time);
         return path;
     }

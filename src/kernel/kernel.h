@@ -29,6 +29,9 @@ public:
     /// Updates the scene after its tables changed: materials, lights, moving instances, and the vertices of `shapes`,
     /// which must be shapes that are only visible through instances.
     virtual void update(const std::vector<std::uint32_t>& shapes) = 0;
+    /// Disables the loop for scenes of quads until the next update(), so that tests and benchmarks can compare both
+    /// loops. They have the same estimator, but other random numbers.
+    virtual void force_general_loop() = 0;
 };
 
 /// Radiance that camera rays see when they miss the scene, in place of the environment.
@@ -45,8 +48,7 @@ struct KernelSettings {
     int max_depth = -1, roulette_depth = 5;
     bool light_sampling = true;
     LightSelection light_selection = LightSelection::tree;
-    bool general_loop = false;  ///< render quads-only scenes by the general loop, too
-    bool measure = false;       ///< measure KernelCounters::ticks
+    bool measure = false;  ///< measure KernelCounters::ticks
     /// Limit per channel on what a sample contributes by two or more surfaces; 0: no limit.
     float clamp_indirect = 0;
     std::uint32_t filter = 0;  ///< a value of enum Filter

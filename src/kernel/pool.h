@@ -2,6 +2,7 @@
 #pragma once
 #include <cstdint>
 
+#include "kernel/features.h"
 #include "math/spectrum.h"
 #include "math/vec3.h"
 #include "media/stack.h"
@@ -102,19 +103,6 @@ void for_columns(MediaColumn& a, MediaColumn& b, F&& f)
     f(a.low, b.low), f(a.high, b.high);
 }
 
-/// Which optional state a path carries; each member says when it is needed.
-struct PathExtras {
-    bool time = false;                  ///< something moves
-    bool eta_scale = false;             ///< some material transmits
-    bool media = false;                 ///< paths keep a stack of media
-    bool clamp = false;                 ///< indirect light is clamped
-    bool nee_probability = false;       ///< light sampling is skipped by chance
-    bool number = false;                ///< paths are recorded for guiding
-    bool walks = false;                 ///< some medium scatters
-    bool walk_textures = false;         ///< some medium has textured coefficients
-    bool transmissive_shadows = false;  ///< shadow rays pass some surfaces
-};
-
 /// State of the paths in flight, as a structure of arrays.
 struct PathPool {
     VectorColumn origin, direction;
@@ -131,7 +119,7 @@ struct PathPool {
     Column<float> bsdf_pdf;     ///< MIS density (solid angle) of the last direction; kept when a path passes an open
                                 ///< boundary or pane
     Column<float> exit_offset;  ///< distance along the ray from the point where lights were sampled to the ray origin;
-                                ///< see LaneScene::has_exit_offset
+                                ///< see Feature::exit_offsets
     Column<float> eta_scale, time;
     Column<float> indirect_left;  ///< remaining budget of indirect light: see integrate/stages/indirect_clamp.h
     /// Probability with which this vertex samples a light; negative if this path does not sample one.
@@ -145,20 +133,20 @@ struct PathPool {
 
     /// Calls f(column of a, column of b) for each column that lives on to the next surface and beyond.
     template <class F>
-    static void for_each_live_column(PathPool& a, PathPool& b, PathExtras extras, F&& f)
+    static void for_each_live_column(PathPool& a, PathPool& b, PathColumns columns, F&& f)
     {
         for_columns(a.origin, b.origin, f), for_columns(a.direction, b.direction, f);
         for_columns(a.throughput, b.throughput, f), for_columns(a.radiance, b.radiance, f);
         f(a.pixel_hash, b.pixel_hash), f(a.reversed_index, b.reversed_index), f(a.state, b.state);
-        if (extras.eta_scale) f(a.eta_scale, b.eta_scale);
-        if (extras.time) f(a.time, b.time);
-        if (extras.media) for_columns(a.media, b.media, f);
-        if (extras.clamp) f(a.indirect_left, b.indirect_left);
-        if (extras.nee_probability) f(a.nee_probability, b.nee_probability);
-        if (extras.number) f(a.number, b.number);
-        if (extras.walks) f(a.walk_steps, b.walk_steps);
-        if (extras.transmissive_shadows) f(a.bsdf_pdf, b.bsdf_pdf), f(a.exit_offset, b.exit_offset);
-        if (extras.walk_textures)
+        if (columns.has(PathColumn::eta_scale)) f(a.eta_scale, b.eta_scale);
+        if (columns.has(PathColumn::time)) f(a.time, b.time);
+        if (columns.has(PathColumn::media)) for_columns(a.media, b.media, f);
+        if (columns.has(PathColumn::indirect_left)) f(a.indirect_left, b.indirect_left);
+        if (columns.has(PathColumn::nee_probability)) f(a.nee_probability, b.nee_probability);
+        if (columns.has(PathColumn::number)) f(a.number, b.number);
+        if (columns.has(PathColumn::walk_steps)) f(a.walk_steps, b.walk_steps);
+        if (columns.has(PathColumn::light_sampling_state)) f(a.bsdf_pdf, b.bsdf_pdf), f(a.exit_offset, b.exit_offset);
+        if (columns.has(PathColumn::walk_coefficients))
             for_columns(a.walk_extinction, b.walk_extinction, f), for_columns(a.walk_albedo, b.walk_albedo, f);
     }
     /// The position of the pixel in the job.

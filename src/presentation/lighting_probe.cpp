@@ -7,6 +7,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "math/luminance.h"
 #include "presentation/ground.h"
 #include "presentation/refracted_lamps.h"
 
@@ -16,11 +17,6 @@ namespace {
 
 constexpr int across = 64;
 constexpr std::uint64_t samples = 16;
-
-double luminance(const float* c)
-{
-    return 0.2126 * double(c[0]) + 0.7152 * double(c[1]) + 0.0722 * double(c[2]);
-}
 
 Image small_picture(const Scene& scene, double aspect, int max_depth)
 {

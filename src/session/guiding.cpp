@@ -62,11 +62,18 @@ struct Pass {
     }
 };
 
-/// Traces a training pass. salt: makes its random numbers independent of other passes and of the final image's.
-Pass trace(const KernelScene& scene, const CameraRecord& camera, KernelSettings settings,
-           const std::vector<std::uint32_t>& pixels, std::size_t sets, std::size_t samples, std::uint32_t salt,
+/// What a training pass traces.
+struct PassPlan {
+    std::vector<std::uint32_t> pixels;
+    std::size_t sets, samples;  ///< independent sets of samples, and samples per pixel and set
+    std::uint32_t salt;         ///< makes random numbers independent of other passes and of the final image's
+};
+
+/// Traces a training pass.
+Pass trace(const KernelScene& scene, const CameraRecord& camera, KernelSettings settings, const PassPlan& plan,
            const std::atomic<bool>* cancel)
 {
+    const auto& [pixels, sets, samples, salt] = plan;
     const auto is_cancelled = [&] { return cancel && cancel->load(std::memory_order_relaxed); };
     settings.measure = false;
     const FilmLayout layout({}, false);
@@ -158,7 +165,7 @@ std::shared_ptr<const GuidingTables> train_guiding(const KernelScene& scene, con
         spread_pixels(settings.width, settings.height, paths / (min_sets * min_samples));
     const std::size_t sets = std::clamp(paths / (min_samples * pixels.size()), min_sets, max_sets);
     const std::size_t samples = std::max(min_samples, paths / (sets * pixels.size()));
-    const Pass plain = trace(scene, camera, settings, pixels, sets, samples, 0x9e3779b9u, cancel);
+    const Pass plain = trace(scene, camera, settings, {pixels, sets, samples, 0x9e3779b9u}, cancel);
     std::vector<const GuidingRecords*> parts;
     plain.append_to(parts);
     const std::shared_ptr<GuidingTables> first = make_guiding(parts);
@@ -170,7 +177,7 @@ std::shared_ptr<const GuidingTables> train_guiding(const KernelScene& scene, con
     set_survival_factors(met, *first);
     KernelSettings with_first = settings;
     with_first.guiding = first.get();
-    Pass guided = trace(scene, camera, with_first, every_nth(pixels, trial_step), sets, samples, 0x85ebca6bu, cancel);
+    Pass guided = trace(scene, camera, with_first, {every_nth(pixels, trial_step), sets, samples, 0x85ebca6bu}, cancel);
     const bool samples_all = double(guided.light_samples) > max_light_samples * double(guided.vertices);
     if (samples_all) guided.light_samples = guided.vertices;
     if (gain(plain, guided, scene.has_tree() ? guidance_cost : guidance_cost_without_tree) < min_gain) return nullptr;

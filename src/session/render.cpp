@@ -42,7 +42,6 @@ KernelSettings kernel_settings(const RenderSettings& s, const FilmLayout& layout
     k.roulette_depth = s.roulette_depth;
     k.light_sampling = s.light_sampling;
     k.light_selection = s.light_selection;
-    k.general_loop = s.general_loop;
     k.measure = s.measure;
     k.clamp_indirect = s.clamp_indirect.value_or(0);
     k.filter = std::uint32_t(s.filter);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /// RenderSettings::clamp_indirect, sample by sample, compared with unclamped samples.
+#include "general_loop.h"
 #include "picture_helpers.h"
 
 namespace fathom {
@@ -52,7 +53,10 @@ public:
     SamplesOf(const SceneDescription& description, RenderSettings settings)
         : scene_([&] {
               Warnings warnings;
-              return Scene::compile(description, "", warnings);
+              Scene scene = Scene::compile(description, "", warnings);
+              // The quad loop does not clamp and uses other random numbers.
+              force_general_loop(scene);
+              return scene;
           }()),
           all_(scene_, settings),
           direct_(scene_, [&] {
@@ -101,8 +105,6 @@ TEST(IndirectClamp, LimitsIndirectLightInEachLoop)
         SCOPED_TRACE(light_sampling);
         RenderSettings settings = small_image_settings();
         settings.light_sampling = light_sampling;
-        // The quad loop uses other random numbers, so both films use the general loop.
-        settings.general_loop = true;
         // Few paths hit the light by BSDF sampling.
         const std::uint64_t samples = light_sampling ? 8 : 160;
         expect_limited(room().scene, settings, 0.25f, samples);

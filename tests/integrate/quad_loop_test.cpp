@@ -2,6 +2,7 @@
 /// The quad loop is an optimization: it has the same estimator as the general loop.
 #include <random>
 
+#include "general_loop.h"
 #include "picture_helpers.h"
 
 namespace fathom {
@@ -105,11 +106,12 @@ void compare_loops(bool others)
     for (unsigned seed = 1; seed <= 10; ++seed) {
         SCOPED_TRACE(seed);
         Warnings warnings;
-        const Scene scene = Scene::compile(random_room(seed, others), "", warnings);
-        RenderSettings fast = small_image_settings(), general = fast;
-        general.general_loop = true;
-        general.seed = 1;
-        const RenderJob jobs[] = {{scene, fast}, {scene, general}};
+        const SceneDescription room = random_room(seed, others);
+        const Scene fast = Scene::compile(room, "", warnings), general = Scene::compile(room, "", warnings);
+        force_general_loop(general);
+        RenderSettings settings = small_image_settings(), other_seed = settings;
+        other_seed.seed = 1;
+        const RenderJob jobs[] = {{fast, settings}, {general, other_seed}};
         Film films[] = {Film(jobs[0]), Film(jobs[1])};
         for (int i = 0; i < 2; ++i) render(jobs[i], {0, 256}, films[i]);
         const Image a = films[0].image(false, true), b = films[1].image(false, true);

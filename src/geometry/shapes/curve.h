@@ -172,6 +172,12 @@ inline Mask is_within_round_piece(const CurvePiece& piece, const Vec3& p)
     return dot(from_axis, from_axis) < r * r * Float(1 - 0x1p-18f);
 }
 
+/// A piece of a ribbon, with the tangents of the curve at its ends.
+struct RibbonPiece {
+    CurvePiece piece;
+    Vec3 start, end;
+};
+
 /// Lanes whose ray hits the piece as a ribbon that faces the ray, at 0 < t <= t_max. w: position along the piece, in
 /// [0, 1].
 ///
@@ -179,9 +185,10 @@ inline Mask is_within_round_piece(const CurvePiece& piece, const Vec3& p)
 /// are perpendicular to the tangents there (start, end), and its distance from the axis. Adjacent pieces share
 /// tangents, so there are no gaps. Nakamaru, Ohno 2002, "Ray Tracing for Curves Primitive"; Pharr, Jakob, Humphreys
 /// 2023, "Physically Based Rendering", 6.7.
-inline Mask intersect_ribbon_piece(const CurvePiece& piece, const Vec3& start, const Vec3& end, const Vec3& o,
-                                   const Vec3& d, Float t_max, Float& t, Float& w)
+inline Mask intersect_ribbon_piece(const RibbonPiece& ribbon, const Vec3& o, const Vec3& d, Float t_max, Float& t,
+                                   Float& w)
 {
+    const auto& [piece, start, end] = ribbon;
     const Frame frame(d);
     const auto x = [&](const Vec3& v) { return dot(v, frame.s); };
     const auto y = [&](const Vec3& v) { return dot(v, frame.t); };

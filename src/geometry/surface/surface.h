@@ -28,7 +28,7 @@ public:
     /// Prefetches the vertex indices of the triangles hit in the lanes of m.
     void fetch_indices(UInt primitive, Mask m) const
     {
-        if (!scene_.is_large) return;
+        if (!scene_.has(Feature::large_meshes)) return;
         std::uint32_t numbers[lanes];
         store(numbers, primitive);
         for_each_active(m & less(primitive, UInt(t_.first_quad())),
@@ -37,7 +37,7 @@ public:
     /// Prefetches the vertices of some triangles.
     void fetch_vertices(const std::uint32_t* primitives, std::size_t count) const
     {
-        if (!scene_.is_large) return;
+        if (!scene_.has(Feature::large_meshes)) return;
         for (std::size_t i = 0; i < count; ++i) {
             if (primitives[i] >= t_.first_quad()) continue;
             const std::uint32_t* const vertex = &t_.triangles[3 * std::size_t(primitives[i])];
@@ -71,11 +71,12 @@ public:
         for (Float& c : s.at.vertex_color) c = Float(1);
         for (int i = 0; i < 2; ++i) s.at.u[i] = hit.u, s.at.v[i] = hit.v;
         s.ng = Vec3(Float(0), Float(0), Float(1));
-        if (scene_.wants_uv_slopes) s.derivatives.clear();
+        if (scene_.has(Feature::surface_derivatives)) s.derivatives.clear();
 
         const RecordRow<ShapeRecord, 2> shape(t_.shapes, s.shape, m);
         s.material = shape.get(&ShapeRecord::material);
-        if (scene_.has_mixtures) s.material = select(hit.material != UInt(no_index), hit.material, s.material);
+        if (scene_.has(Feature::mixtures))
+            s.material = select(hit.material != UInt(no_index), hit.material, s.material);
         const UInt flags = shape.get(&ShapeRecord::flags);
         const Mask triangle = m & less(hit.primitive, UInt(t_.first_quad()));
         const Mask quad = m & !triangle & less(hit.primitive, UInt(t_.first_sphere()));
@@ -104,7 +105,7 @@ public:
         const Float agreement = dot(s.ns, s.ng);
         s.ns = flip_sign(s.ns, agreement);
         s.bitangent_sign = flip_sign(s.bitangent_sign, agreement);
-        if (scene_.textured) s.at.p_world = in_world(s.p), s.at.n_world = s.ng;
+        if (scene_.has(Feature::textures)) s.at.p_world = in_world(s.p), s.at.n_world = s.ng;
         return s;
     }
 
@@ -181,7 +182,7 @@ private:
         const TrianglePlace place{{vertex[0], vertex[1], vertex[2]}, hit.u, hit.v};
         place.read_uv(t_.uv0, has(ShapeRecord::has_uv0), s.at.u[0], s.at.v[0]);
         place.read_uv(t_.uv1, has(ShapeRecord::has_uv1), s.at.u[1], s.at.v[1]);
-        if (scene_.wants_uv_slopes) {
+        if (scene_.has(Feature::surface_derivatives)) {
             s.derivatives.set_edges(e1, e2, m);
             s.derivatives.read_uv(t_.uv0, vertex, 0, has(ShapeRecord::has_uv0));
             s.derivatives.read_uv(t_.uv1, vertex, 1, has(ShapeRecord::has_uv1));
@@ -217,7 +218,7 @@ private:
     Vec3 uv_tangent(Vec3 e1, Vec3 e2, const UInt* vertex, Mask m, Float& sign) const
     {
         Vec3 tangent(Float(0), Float(0), Float(0));
-        if (none(m) || !scene_.wants_tangents) return tangent;
+        if (none(m) || !scene_.has(Feature::tangents)) return tangent;
         const auto* base = reinterpret_cast<const float*>(t_.uv0.data());
         Float u[3], v[3];
         for (int k = 0; k < 3; ++k) {
@@ -250,7 +251,7 @@ private:
         s.ng = select(m, ng, s.ng);
         s.ns = select(m, normal(s.ns), s.ns);
         s.tangent = select(m, to_render.vector(s.tangent), s.tangent);
-        if (scene_.wants_uv_slopes)
+        if (scene_.has(Feature::surface_derivatives))
             for (Vec3& way : s.derivatives.way) way = select(m, to_render.vector(way), way);
         s.bitangent_sign = select(m, flip_sign(s.bitangent_sign, to_object.determinant()), s.bitangent_sign);
     }
@@ -265,7 +266,7 @@ private:
         const Float rounding = rounding_along(s.ng, s.p, way) + scene_.quads.rounding(quad);
         s.offset = select(m, rounding, s.offset);
         s.ns = select(m, s.ng, s.ns);
-        if (!scene_.needs_uv) return;
+        if (!scene_.has(Feature::texture_coordinates)) return;
         const Vec3 corner = gather(t_.quads, &QuadRecord::corner, quad, m),
                    u = gather(t_.quads, &QuadRecord::edge_u, quad, m),
                    v = gather(t_.quads, &QuadRecord::edge_v, quad, m);
@@ -278,7 +279,7 @@ private:
             s.at.v[i] = select(m, Float(1) - vv, s.at.v[i]);
         }
         s.tangent = select(m, u, s.tangent);
-        if (scene_.wants_uv_slopes) s.derivatives.set(u, -v, m);
+        if (scene_.has(Feature::surface_derivatives)) s.derivatives.set(u, -v, m);
     }
 
     /// Axes of the nodes of round shapes, which orient their texture coordinates.
@@ -327,7 +328,7 @@ private:
         s.ng = select(m, n, s.ng);
         s.ns = select(m, n, s.ns);
         s.offset = select(m, rounding_along(n, s.p, abs(way) + abs(s.p - center)), s.offset);
-        if (!scene_.needs_uv) return;
+        if (!scene_.has(Feature::texture_coordinates)) return;
         const NodeAxes axes = node_axes(s.shape, m);
         const Frame frame(axes.to_node(n));
         const Vec3 r = axes.to_node(s.p - center);
@@ -337,7 +338,7 @@ private:
             s.at.v[i] = select(m, fma(dot(r, frame.t), -scale, Float(0.5f)), s.at.v[i]);
         }
         s.tangent = select(m, axes.from_node(frame.s), s.tangent);
-        if (scene_.wants_uv_slopes) {
+        if (scene_.has(Feature::surface_derivatives)) {
             const Float width = radius + radius;
             s.derivatives.set(axes.from_node(frame.s) * width, axes.from_node(frame.t) * -width, m);
         }
@@ -363,7 +364,7 @@ private:
                    s.offset);
         s.ng = select(m, flip_sign(out, radius), s.ng);
         s.ns = select(m, s.ng, s.ns);
-        if (!scene_.needs_uv) return;
+        if (!scene_.has(Feature::texture_coordinates)) return;
         // Texture coordinates of balls: u runs around +y, v from the pole at +y down.
         const NodeAxes axes = node_axes(s.shape, m);
         const Vec3 to = axes.to_node(out);
@@ -374,7 +375,7 @@ private:
             s.at.v[i] = select(m, v, s.at.v[i]);
         }
         s.tangent = select(m, axes.from_node({to.z, Float(0), -to.x}), s.tangent);
-        if (scene_.wants_uv_slopes) {
+        if (scene_.has(Feature::surface_derivatives)) {
             const Float half_turn = abs(radius) * Float(float(pi));
             // At the poles the direction of u is undefined.
             const Float from_axis = max(sqrt(fma(to.x, to.x, to.z * to.z)), Float(1e-4f)), slant = to.y / from_axis;

@@ -26,7 +26,7 @@ struct Surface {
     Mask is_curve, is_ribbon;
     Float radius;  ///< of curves; otherwise 0
     TexturePoint at;
-    SurfaceDerivatives derivatives;  ///< valid if LaneScene::wants_uv_slopes
+    SurfaceDerivatives derivatives;  ///< valid if Feature::surface_derivatives
     Mask has_mesh_tangent;           ///< the mesh provides the tangent
     Mask has_map_tangents;           ///< tangents follow each map's texture coordinates: see TangentFrame::of_map
     UInt shape, material;

@@ -24,7 +24,7 @@ inline SurfaceHit nearest_hit(const LaneScene& scene, const Vec3& o, const Vec3&
     const Float fields[] = {o.x, o.y, o.z, d.x, d.y, d.z, time};
     for (int i = 0; i < 7; ++i) store(ray[i], fields[i]);
     scene.bvh.closest(
-        {ray[0], ray[1], ray[2], ray[3], ray[4], ray[5], nullptr, scene.tables.moving ? ray[6] : nullptr, 1},
+        {ray[0], ray[1], ray[2], ray[3], ray[4], ray[5], nullptr, scene.has(Feature::motion) ? ray[6] : nullptr, 1},
         {t, u, v, primitive, instance}, false);
     hit.t = Float(t[0]), hit.u = Float(u[0]), hit.v = Float(v[0]);
     hit.primitive = UInt(primitive[0]), hit.instance = UInt(instance[0]);

@@ -23,7 +23,7 @@ public:
     {
         if (none(hits)) return;
         Surface s = surfaces_.read(hit, hits);
-        if (scene_.open_media) {
+        if (scene_.has(Feature::open_media)) {
             const Mask inside = dot(hit.d, s.ng) >= Float(0);
             const Mask skips_interface = solid_boundary(materials_, s.material, media, inside, hits).skips_interface;
             hits &= !classify_interface(scene_, materials_, s.material, skips_interface, hits).open;
@@ -63,7 +63,7 @@ private:
     {
         MaterialPoint point;
         materials_.read(s, hits, hits, point);
-        if (!scene_.scatters_inside) return point.base_color;
+        if (!scene_.has(Feature::scattering_media)) return point.base_color;
         const UInt index = materials_.get(&MaterialRecord::layers, s.material, hits);
         const Mask layered = hits & (index != UInt(no_index));
         if (none(layered)) return point.base_color;

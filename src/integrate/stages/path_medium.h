@@ -19,7 +19,7 @@ inline Mask has_own_medium(const LaneScene& scene, const PathPool& p, std::size_
 inline Spectrum extinction_of(const LaneScene& scene, const PathPool& p, std::size_t i, UInt medium, Mask m)
 {
     const Spectrum extinction = gather(scene.tables.media, &MediumRecord::extinction, medium, m);
-    if (!scene.textured_media) return extinction;
+    if (!scene.has(Feature::textured_media)) return extinction;
     return select(has_own_medium(scene, p, i, medium, m), p.walk_extinction.load(i), extinction);
 }
 
@@ -27,7 +27,7 @@ inline Spectrum extinction_of(const LaneScene& scene, const PathPool& p, std::si
 inline Spectrum scattering_of(const LaneScene& scene, const PathPool& p, std::size_t i, UInt medium, Mask m)
 {
     const Spectrum scattering = gather(scene.tables.media, &MediumRecord::scattering, medium, m);
-    if (!scene.textured_media) return scattering;
+    if (!scene.has(Feature::textured_media)) return scattering;
     return select(has_own_medium(scene, p, i, medium, m), p.walk_extinction.load(i) * p.walk_albedo.load(i),
                   scattering);
 }

@@ -8,6 +8,20 @@
 namespace fathom {
 inline namespace FATHOM_LANES {
 
+/// Random numbers of a gang of paths at a vertex.
+struct VertexRandom {
+    SampleKey key;
+    UInt seed;   ///< of the bounce's group of dimensions
+    UInt index;  ///< shuffled sample index; light samples and directions share it because they never enter one product
+
+    VertexRandom(const SampleKey& sample_key, UInt group)
+        : key(sample_key), seed(group_seed(key, group)), index(shuffled_index(key, seed))
+    {
+    }
+    Sample2 light() const { return sample_2d(index, pair_seed(seed, pair_light)); }
+    Sample2 direction() const { return sample_2d(index, pair_seed(seed, pair_bsdf)); }
+};
+
 /// Outcome of scattering at a surface.
 struct Scattered {
     Vec3 wi;
@@ -39,15 +53,14 @@ template <class Closure>
             Mask(false)};
 }
 
-/// Samples the next direction of paths. key, seed: random numbers of the path and its bounce. index: shuffled index of
-/// the dimensions for directions.
+/// BSDF sampling, or guided sampling if the guidance is on: samples the next direction of paths.
 template <class Closure>
 [[gnu::always_inline]] inline Scattered scatter(const Closure& closure, const ShadingPoint<Closure>& at,
-                                                const Guidance& guidance, const SampleKey& key, UInt seed, UInt index,
+                                                const Guidance& guidance, const VertexRandom& numbers,
                                                 const Spectrum& throughput)
 {
-    const Float choice = sample_2d(key, pair_seed(seed, pair_choice)).x;
-    const Sample2 random = sample_2d(index, pair_seed(seed, pair_bsdf));
+    const Float choice = sample_2d(numbers.key, pair_seed(numbers.seed, pair_choice)).x;
+    const Sample2 random = numbers.direction();
     if constexpr (Closure::is_guided)
         if (guidance.is_on()) return scatter_guided(closure, at, guidance, choice, random, throughput);
     const BsdfSample next = closure.sample(at.wo, random, choice);

@@ -29,8 +29,7 @@ public:
           clock_(clock),
           recorder_(recorder),
           lights_are_sampled_(settings.light_sampling && !tables_.lights.empty()),
-          has_light_chance_(settings.skips_light_samples()),
-          has_time_(scene.tables.moving)
+          has_light_chance_(settings.skips_light_samples())
     {
     }
 
@@ -59,135 +58,212 @@ public:
     }
 
 private:
-    /// Lanes of m that sample a light at this vertex.
-    Mask samples_light(std::size_t i, Mask m) const
-    {
-        return has_light_chance_ ? m & (paths_->nee_probability.load(i) > Float(0)) : m;
-    }
-
-    /// Random numbers of a gang for its next bounce.
-    struct Randomness {
-        SampleKey key;
-        UInt state, bounce, seed;
-        UInt index;  ///< shuffled sample index; light samples and directions share it because they never enter one
-                     ///< product
-        Randomness(const PathPool& p, std::size_t i, bool has_steps)
-            : key{p.pixel_hash.load(i), p.reversed_index.load(i)},
-              state(p.state.load(i)),
-              bounce(state & UInt(PathPool::bounce_mask)),
-              seed(group_seed(key, (bounce + UInt(1u)) | (has_steps ? after(p.walk_steps.load(i)) : UInt(0u)))),
-              index(shuffled_index(key, seed))
-        {
-        }
-        /// Scattering events within media use groups of random dimensions of their own.
-        static UInt after(UInt steps) { return select(steps == UInt(0u), UInt(0u), steps << 16 | UInt(1u << 31)); }
+    /// A gang of paths at a vertex: `lanes` consecutive paths of the pool.
+    struct Gang {
+        std::size_t i;  ///< of the first path
+        Mask valid;     ///< lanes with a path
+        UInt state;     ///< PathPool::state on arrival
+        UInt bounce;    ///< number of bounces before this one
+        VertexRandom random;
+        Float time;
+    };
+    /// What becomes of PathPool::state, and which paths continue undeflected through a pane or open boundary.
+    struct Passage {
+        UInt state;
+        Mask undeflected{false};
+        Mask no_bounce{false};  ///< lanes of `undeflected` for which passing is no bounce
     };
 
-    /// Next event estimation for each path of a gang, then its next direction.
+    /// Whether paths may pass surfaces of this closure as shadow rays do.
+    template <class Closure>
+    bool passes_interfaces() const
+    {
+        return Closure::kind == ClosureKind::glass && scene_.has(Feature::transmissive_shadows);
+    }
+
+    /// Shades a vertex of each path of a gang: next event estimation, BSDF sampling, Russian roulette.
     template <class Closure>
     [[gnu::always_inline]] void shade(std::size_t i, Mask valid)
     {
         clock_.enter(RenderStage::surface);
         count_vertices(counters_, valid);
-        PathPool& p = *paths_;
-        const auto [key, state, bounce, seed, index] = Randomness(p, i, scene_.open_media);
-        const Float time = has_time_ ? p.time.load(i) : Float(0);
-        const SurfaceHit hit{p.origin.load(i),
-                             p.direction.load(i),
-                             hits_->t.load(i),
-                             hits_->u.load(i),
-                             hits_->v.load(i),
-                             time,
-                             hits_->primitive.load(i),
-                             scene_.is_flat ? UInt(no_index) : hits_->instance.load(i),
-                             scene_.has_mixtures ? hits_->material.load(i) : UInt(no_index)};
+        const Gang gang = load_gang(i, valid);
+        const SurfaceHit hit = load_hit(gang);
         MediumStack media;
-        if (scene_.tracks_media) media = p.media.load(i);
-        ShadingPoint<Closure> at = read_shading_point<Closure>(surfaces_, materials_, hit,
-                                                               scene_.tracks_media ? &media : nullptr, valid, clock_);
-        Spectrum throughput = p.throughput.load(i);
-        if (scene_.one_sided && !Closure::transmits) throughput = black_on_back(at, throughput, valid);
-        if constexpr (is_layered<Closure> && Closure::transmits) choose_channel(key, seed, at.material, throughput);
+        if (scene_.has(Feature::media_stacks)) media = paths_->media.load(i);
+        ShadingPoint<Closure> at = read_shading_point<Closure>(
+            surfaces_, materials_, hit, scene_.has(Feature::media_stacks) ? &media : nullptr, valid, clock_);
+        const Spectrum throughput = arriving_throughput(gang, at);
         const Closure closure(at.material);
         clock_.enter(RenderStage::light);
-        const Guidance guidance = guide(closure, at, key, seed, valid);
-        if (lights_are_sampled_) {
-            const Mask samples = samples_light(i, valid);
-            counters_.costs.light_samples += std::uint64_t(count(samples));
-            if (any(samples))
-                sample_light<Closure>(i, samples, closure, at, guidance, key, seed, index, throughput, time);
-        }
+        const Guidance guidance = guide(closure, at, gang);
+        if (lights_are_sampled_) estimate_direct_light(gang, closure, at, guidance, throughput);
 
         clock_.enter(RenderStage::scatter);
-        Scattered next = scatter(closure, at, guidance, key, seed, index, throughput);
-        UInt next_state = (state & UInt(~PathPool::specular)) + UInt(1u);
-        next_state = next_state | select(next.is_delta, UInt(PathPool::specular), UInt(PathPool::scattered));
-        Mask undeflected(false), no_bounce(false);
-        if (Closure::kind == ClosureKind::glass && scene_.transmissive_shadows)
-            pass_interface(i, at, next.wi, valid & (hit.material == UInt(no_index)), state, next_state, undeflected,
-                           no_bounce);
-        Float eta_scale(1.f);
-        if (scene_.refracts) {
-            eta_scale = p.eta_scale.load(i) * next.eta * next.eta;
-            p.eta_scale.store(i, eta_scale, valid);
-        }
-        if (Closure::transmits && scene_.tracks_media) {
-            MediumStack beyond = at.media_beyond;
-            if constexpr (is_layered<Closure>) beyond = select(next.enters_subsurface, at.media_below, beyond);
-            p.media.store(i, select(dot(next.wi, at.ng) < Float(0), beyond, at.media), valid);
-            if constexpr (is_layered<Closure>)
-                if (scene_.textured_media) store_subsurface_medium(i, valid & next.enters_subsurface, at);
-        }
-        if (scene_.scatters_inside && !scene_.open_media) p.walk_steps.store(i, UInt(0u), valid);
-        Roulette roulette = roulette_by_throughput(settings_, bounce, eta_scale, next.throughput);
+        Scattered next = scatter(closure, at, guidance, gang.random, throughput);
+        const Passage passage = pass_interface(gang, hit, at, next);
+        const Float eta_scale = update_eta_scale(gang, next);
+        enter_media(gang, at, next);
+        Roulette roulette = roulette_by_throughput(settings_, gang.bounce, eta_scale, next.throughput);
         if (guidance.is_on()) {
             const Float chance = mean(throughput * at.material.base_color) * guidance.survival_factor();
-            roulette = efficiency_roulette(guidance.known(), chance, bounce, roulette);
+            roulette = efficiency_roulette(guidance.known(), chance, gang.bounce, roulette);
         }
-        roulette.plays &= !no_bounce;
-        Mask ends = apply_roulette(roulette, key, seed, next.throughput);
+        const Mask ends = play_roulette<Closure>(gang, passage, roulette, next.throughput);
+        if (Closure::is_guided && recorder_.is_on())
+            recorder_.record_directions(paths_->number.load(i), gang.bounce, at.frame.n, next.wi, next.pdf,
+                                        next.throughput, valid & !ends & !next.is_delta);
+        paths_->state.store(i, select(ends, passage.state | UInt(PathPool::dead), passage.state), valid);
+        store_next_ray(gang, hit, at, next, passage.undeflected);
+    }
+
+    [[gnu::always_inline]] Gang load_gang(std::size_t i, Mask valid) const
+    {
+        const PathPool& p = *paths_;
+        const UInt state = p.state.load(i), bounce = state & UInt(PathPool::bounce_mask);
+        const UInt steps = scene_.has(Feature::open_media) ? group_of_steps(p.walk_steps.load(i)) : UInt(0u);
+        return {i,
+                valid,
+                state,
+                bounce,
+                VertexRandom({p.pixel_hash.load(i), p.reversed_index.load(i)}, (bounce + UInt(1u)) | steps),
+                scene_.has(Feature::motion) ? p.time.load(i) : Float(0)};
+    }
+    /// Vertices after scattering events within media use groups of random dimensions of their own.
+    static UInt group_of_steps(UInt steps) { return select(steps == UInt(0u), UInt(0u), steps << 16 | UInt(1u << 31)); }
+
+    [[gnu::always_inline]] SurfaceHit load_hit(const Gang& gang) const
+    {
+        const std::size_t i = gang.i;
+        return {paths_->origin.load(i),
+                paths_->direction.load(i),
+                hits_->t.load(i),
+                hits_->u.load(i),
+                hits_->v.load(i),
+                gang.time,
+                hits_->primitive.load(i),
+                scene_.is_flat ? UInt(no_index) : hits_->instance.load(i),
+                scene_.has(Feature::mixtures) ? hits_->material.load(i) : UInt(no_index)};
+    }
+
+    /// Throughput of paths before they are scattered: 0 on the back of one-sided surfaces; of the chosen channel on
+    /// dispersive surfaces, whose index of refraction becomes that of the channel.
+    template <class Closure>
+    [[gnu::always_inline]] Spectrum arriving_throughput(const Gang& gang, ShadingPoint<Closure>& at) const
+    {
+        Spectrum throughput = paths_->throughput.load(gang.i);
+        if (scene_.has(Feature::one_sided) && !Closure::transmits)
+            throughput = black_on_back(at, throughput, gang.valid);
+        if constexpr (is_layered<Closure> && Closure::transmits)
+            choose_channel(gang.random.key, gang.random.seed, at.material, throughput);
+        return throughput;
+    }
+
+    /// Guiding distribution at the vertices; off if the closure cannot use it.
+    template <class Closure>
+    [[gnu::always_inline]] Guidance guide(const Closure& closure, const ShadingPoint<Closure>& at,
+                                          const Gang& gang) const
+    {
+        if constexpr (Closure::is_guided)
+            if (settings_.guiding) {
+                const UInt seed = pair_seed(gang.random.seed, pair_guiding);
+                const Vec3 noise = guiding_noise(sample_hash(gang.random.key, seed));
+                return {*settings_.guiding, at.p, at.frame.n, noise, closure.guided_weight(), gang.valid};
+            }
+        return {};
+    }
+
+    /// Scale that cancels the scaling of radiance by refraction, for Russian roulette.
+    [[gnu::always_inline]] Float update_eta_scale(const Gang& gang, const Scattered& next)
+    {
+        if (!scene_.has(Feature::transmission)) return Float(1.f);
+        const Float eta_scale = paths_->eta_scale.load(gang.i) * next.eta * next.eta;
+        paths_->eta_scale.store(gang.i, eta_scale, gang.valid);
+        return eta_scale;
+    }
+
+    /// Updates the media around the paths that leave the surface.
+    template <class Closure>
+    [[gnu::always_inline]] void enter_media(const Gang& gang, const ShadingPoint<Closure>& at, const Scattered& next)
+    {
+        if (Closure::transmits && scene_.has(Feature::media_stacks)) {
+            MediumStack beyond = at.media_beyond;
+            if constexpr (is_layered<Closure>) beyond = select(next.enters_subsurface, at.media_below, beyond);
+            paths_->media.store(gang.i, select(dot(next.wi, at.ng) < Float(0), beyond, at.media), gang.valid);
+            if constexpr (is_layered<Closure>)
+                if (scene_.has(Feature::textured_media))
+                    store_subsurface_medium(gang.i, gang.valid & next.enters_subsurface, at);
+        }
+        if (scene_.has(Feature::scattering_media) && !scene_.has(Feature::open_media))
+            paths_->walk_steps.store(gang.i, UInt(0u), gang.valid);
+    }
+
+    /// Plays Russian roulette. Returns the lanes whose path ends; scales up the throughput of the others.
+    template <class Closure>
+    [[gnu::always_inline]] Mask play_roulette(const Gang& gang, const Passage& passage, Roulette roulette,
+                                              Spectrum& throughput) const
+    {
+        roulette.plays &= !passage.no_bounce;
+        Mask ends = apply_roulette(roulette, gang.random.key, gang.random.seed, throughput);
         // A path that could only continue through a null interface and did not is finished.
-        if (Closure::kind == ClosureKind::glass && scene_.transmissive_shadows)
-            ends |= !no_bounce & !may_scatter(settings_, bounce);
-        next_state = select(ends, next_state | UInt(PathPool::dead), next_state);
+        if (passes_interfaces<Closure>()) ends |= !passage.no_bounce & !may_scatter(settings_, gang.bounce);
+        return ends;
+    }
+
+    /// Stores the rays that leave the surface, their throughput and their density for MIS.
+    template <class Closure>
+    [[gnu::always_inline]] void store_next_ray(const Gang& gang, const SurfaceHit& hit, const ShadingPoint<Closure>& at,
+                                               const Scattered& next, Mask undeflected)
+    {
+        PathPool& p = *paths_;
+        const std::size_t i = gang.i;
         Float exit_offset = at.exit_offset(next.wi);
         // Lights are sampled at this vertex with a probability only; dividing by it scales their density in the MIS
         // weight.
         Float mis_pdf = next.pdf;
         if (has_light_chance_) mis_pdf = mis_pdf / abs(p.nee_probability.load(i));
-        if (Closure::kind == ClosureKind::glass && scene_.transmissive_shadows) {
+        if (passes_interfaces<Closure>()) {
             mis_pdf = select(undeflected, p.bsdf_pdf.load(i), mis_pdf);
             exit_offset =
                 select(undeflected, p.exit_offset.load(i) + dot(at.start(next.wi) - hit.o, hit.d), exit_offset);
         }
-        if (Closure::is_guided && recorder_.is_on())
-            recorder_.record_directions(p.number.load(i), bounce, at.frame.n, next.wi, next.pdf, next.throughput,
-                                        valid & !ends & !next.is_delta);
-        p.origin.store(i, at.start(next.wi), valid);
-        p.direction.store(i, next.wi, valid);
-        p.throughput.store(i, next.throughput, valid);
-        p.bsdf_pdf.store(i, mis_pdf, valid);
-        if (scene_.has_exit_offset) p.exit_offset.store(i, exit_offset, valid);
-        p.state.store(i, next_state, valid);
+        p.origin.store(i, at.start(next.wi), gang.valid);
+        p.direction.store(i, next.wi, gang.valid);
+        p.throughput.store(i, next.throughput, gang.valid);
+        p.bsdf_pdf.store(i, mis_pdf, gang.valid);
+        if (scene_.has(Feature::exit_offsets)) p.exit_offset.store(i, exit_offset, gang.valid);
     }
 
-    /// Determines the paths that continue undeflected through a pane or open boundary, as shadow rays do, and the next
-    /// state of those for which that is no bounce: their flags of previous scattering stay. m: lanes whose material was
-    /// not chosen by a mixture.
+    /// The state of paths after scattering, and those that pass an interface undeflected.
     template <class Closure>
-    [[gnu::noinline]] void pass_interface(std::size_t i, const ShadingPoint<Closure>& at, const Vec3& wi, Mask m,
-                                          UInt state, UInt& next_state, Mask& undeflected, Mask& no_bounce)
+    [[gnu::always_inline]] Passage pass_interface(const Gang& gang, const SurfaceHit& hit,
+                                                  const ShadingPoint<Closure>& at, const Scattered& next)
+    {
+        UInt next_state = (gang.state & UInt(~PathPool::specular)) + UInt(1u);
+        next_state = next_state | select(next.is_delta, UInt(PathPool::specular), UInt(PathPool::scattered));
+        if (!passes_interfaces<Closure>()) return {next_state};
+        // Mixtures choose between passing and their other constituent, so their surfaces are no interfaces.
+        const Mask may_pass = gang.valid & (hit.material == UInt(no_index));
+        return pass_interface(gang.i, at, next.wi, may_pass, gang.state, next_state);
+    }
+    /// Determines the paths that continue undeflected, as shadow rays do. Those for which that is no bounce keep their
+    /// flags of previous scattering. m: lanes whose material was not chosen by a mixture.
+    template <class Closure>
+    [[gnu::noinline]] Passage pass_interface(std::size_t i, const ShadingPoint<Closure>& at, const Vec3& wi, Mask m,
+                                             UInt state, UInt next_state)
     {
         const PassedInterface there = classify_interface(scene_, materials_, at.material_index, at.skips_interface, m);
-        undeflected = (there.pane & (dot(wi, at.ng) < Float(0))) | there.open;
-        no_bounce = there.no_bounce & undeflected;
+        const Mask undeflected = (there.pane & (dot(wi, at.ng) < Float(0))) | there.open;
+        const Mask no_bounce = there.no_bounce & undeflected;
         next_state = select(undeflected, state + UInt(1u), next_state);
-        if (!scene_.open_media) return;
-        // Passing an open boundary counts as a step, so that the next vertex uses new random numbers.
-        const UInt step = paths_->walk_steps.load(i) + UInt(1u);
-        paths_->walk_steps.store(i, step, no_bounce);
-        const UInt over = select(less(step, UInt(MediumStage::max_steps)), UInt(0u), UInt(PathPool::dead));
-        next_state = select(no_bounce, state | over, next_state);
+        if (scene_.has(Feature::open_media)) {
+            // Passing an open boundary counts as a step, so that the next vertex uses new random numbers.
+            const UInt step = paths_->walk_steps.load(i) + UInt(1u);
+            paths_->walk_steps.store(i, step, no_bounce);
+            const UInt over = select(less(step, UInt(MediumStage::max_steps)), UInt(0u), UInt(PathPool::dead));
+            next_state = select(no_bounce, state | over, next_state);
+        }
+        return {next_state, undeflected, no_bounce};
     }
 
     /// Throughput set to 0 on the back of one-sided surfaces.
@@ -215,60 +291,60 @@ private:
         paths_->walk_extinction.store(i, extinction, enters);
     }
 
-    /// Guiding distribution at the vertices; off if the closure cannot use it.
+    /// Next event estimation for the paths of the gang that sample a light at this vertex.
     template <class Closure>
-    [[gnu::always_inline]] Guidance guide(const Closure& closure, const ShadingPoint<Closure>& at, const SampleKey& key,
-                                          UInt seed, Mask valid) const
+    [[gnu::always_inline]] void estimate_direct_light(const Gang& gang, const Closure& closure,
+                                                      const ShadingPoint<Closure>& at, const Guidance& guidance,
+                                                      const Spectrum& throughput)
     {
-        if constexpr (Closure::is_guided)
-            if (settings_.guiding) {
-                const Vec3 noise = guiding_noise(sample_hash(key, pair_seed(seed, pair_guiding)));
-                return {*settings_.guiding, at.p, at.frame.n, noise, closure.guided_weight(), valid};
-            }
-        return {};
+        const Mask samples =
+            has_light_chance_ ? gang.valid & (paths_->nee_probability.load(gang.i) > Float(0)) : gang.valid;
+        counters_.costs.light_samples += std::uint64_t(count(samples));
+        if (any(samples)) sample_light(gang, samples, closure, at, guidance, throughput);
     }
 
-    /// Next event estimation: adds the light sample's contribution, or queues its shadow ray.
+    /// Samples a light in the lanes of m; adds its contribution, or queues its shadow ray.
     template <class Closure>
-    [[gnu::always_inline]] void sample_light(std::size_t i, Mask valid, const Closure& closure,
+    [[gnu::always_inline]] void sample_light(const Gang& gang, Mask m, const Closure& closure,
                                              const ShadingPoint<Closure>& at, const Guidance& guidance,
-                                             const SampleKey& key, UInt seed, UInt index, const Spectrum& throughput,
-                                             Float time)
+                                             const Spectrum& throughput)
     {
         // Lights are sampled from the origin of the shadow ray. Sampled from the surface itself, a light that passes
         // through the surface, or a distance that ends behind it, would depend on rounding.
         const Vec3 eye = at.eye();
-        const Sample2 random = sample_2d(index, pair_seed(seed, pair_light));
-        LightSample s = lights_.sample(valid, eye, key, seed, random, time);
-        if (has_light_chance_) s.inverse_pdf = s.inverse_pdf / abs(paths_->nee_probability.load(i));
-        Mask lit = valid & (s.inverse_pdf > Float(0));
+        const auto& [key, seed, index] = gang.random;
+        LightSample s = lights_.sample(m, eye, key, seed, gang.random.light(), gang.time);
+        if (has_light_chance_) s.inverse_pdf = s.inverse_pdf / abs(paths_->nee_probability.load(gang.i));
+        Mask lit = m & (s.inverse_pdf > Float(0));
         Spectrum add = direct_light(closure, at, guidance, s, throughput, lit);
         MediumStack media;
-        if (scene_.tracks_media) {
+        if (scene_.has(Feature::media_stacks)) {
             const Mask beyond = Closure::transmits ? dot(s.wi, at.ng) < Float(0) : Mask(false);
             media = select(beyond, at.media_beyond, at.media);
         }
-        if (scene_.has_absorption && !scene_.transmissive_shadows)
-            add = add * transmittance(extinction_of(scene_, *paths_, i, media.current(), lit), s.distance);
+        if (scene_.has(Feature::attenuation) && !scene_.has(Feature::transmissive_shadows))
+            add = add * transmittance(extinction_of(scene_, *paths_, gang.i, media.current(), lit), s.distance);
         lit &= any_positive(add);
         if (guidance.is_on()) roulette_shadow_ray(guidance, mean(add) * s.likely, key, seed, add, lit);
         if (none(lit)) return;
         counters_.count_rays(RayKind::shadow, std::uint64_t(count(lit)));
-        const Ray ray = shadow_ray(at, eye, s, time);
-        if (!scene_.is_flat) {
-            const UInt path = iota() + UInt(std::uint32_t(i));
-            if (scene_.transmissive_shadows)
-                shadows_.push(ray, add, media, path, s.needs_environment_radiance, lit);
-            else
-                shadows_.push(ray, add, path, s.needs_environment_radiance, lit);
-            return;
-        }
+        const Ray ray = shadow_ray(at, eye, s, gang.time);
+        if (scene_.is_flat) return add_unoccluded(gang.i, ray, add, m, lit);
+        const UInt path = iota() + UInt(std::uint32_t(gang.i));
+        if (scene_.has(Feature::transmissive_shadows))
+            shadows_.push(ray, add, media, path, s.needs_environment_radiance, lit);
+        else
+            shadows_.push(ray, add, path, s.needs_environment_radiance, lit);
+    }
+    /// Traces the shadow rays of the lanes `lit` of m and adds the contributions of those that nothing blocks.
+    [[gnu::always_inline]] void add_unoccluded(std::size_t i, const Ray& ray, Spectrum add, Mask m, Mask lit)
+    {
         PathPool& p = *paths_;
         clock_.enter(RenderStage::shadow);
         const Mask clear = lit & !scene_.flat.occluded(tables_, ray, lit);
         counters_.costs.clear_shadow_rays += std::uint64_t(count(clear));
         if (settings_.clamp_indirect > 0) add = clamped(i, add, clear);
-        p.radiance.store(i, p.radiance.load(i) + select(clear, add, Spectrum(Float(0))), valid);
+        p.radiance.store(i, p.radiance.load(i) + select(clear, add, Spectrum(Float(0))), m);
     }
 
     /// Russian roulette for shadow rays: keeps lanes of `lit` by chance and scales up their contributions. brings:
@@ -300,7 +376,7 @@ private:
     KernelCounters& counters_;
     StageClock& clock_;
     PathRecorder& recorder_;
-    bool lights_are_sampled_, has_light_chance_, has_time_;
+    bool lights_are_sampled_, has_light_chance_;
 
     PathPool* paths_ = nullptr;
     const HitColumns* hits_ = nullptr;

@@ -19,7 +19,7 @@ struct ShadingPoint {
     typename Closure::Point material;
     Vec3 d;       ///< direction along which the path arrived
     Mask inside;  ///< hit from behind the geometric normal
-    /// Media before the surface, and beyond it if the path passes; valid if LaneScene::tracks_media.
+    /// Media before the surface, and beyond it if the path passes; valid if Feature::media_stacks.
     MediumStack media, media_beyond;
     MediumStack media_below;  ///< media after entering the subsurface
     Mask skips_interface;     ///< null interface: the path passes undeflected, see SolidBoundary

@@ -37,7 +37,7 @@ public:
     {
         if (size_ == 0) return 0;
         const bool clamp = settings.clamp_indirect > 0;
-        if (scene.transmissive_shadows) return trace_through(scene, paths, settings, clock);
+        if (scene.has(Feature::transmissive_shadows)) return trace_through(scene, paths, settings, clock);
         scene.bvh.occluded(rays(scene, size_), blocked_.data, false);
         if (scene.tables.environment.light != no_index) multiply_environment_unoccluded(scene);
         std::size_t clear = 0;
@@ -72,7 +72,7 @@ private:
                 direction_.y.data,
                 direction_.z.data,
                 t_max_.data,
-                scene.tables.moving ? time_.data : nullptr,
+                scene.has(Feature::motion) ? time_.data : nullptr,
                 size};
     }
 
@@ -130,7 +130,7 @@ private:
                 const Mask nothing = m & (primitive == UInt(no_index));
                 const UInt info = scene.shape_info_of(primitive, hits_.instance.load(i), m & !nothing);
                 const Mask may_pass = m & !nothing & ((info & UInt(LaneScene::passes_shadow_rays)) != UInt(0u));
-                if (scene.has_absorption) attenuate(scene, i, nothing | may_pass);
+                if (scene.has(Feature::attenuation)) attenuate(scene, i, nothing | may_pass);
                 const UInt ray = iota() + UInt(std::uint32_t(i));
                 if (const Mask out = nothing & is_marked(path_.load(i)); any(out))
                     multiply_environment(scene, ray, out);
@@ -160,7 +160,7 @@ private:
         const MaterialReader materials(scene);
         const MediumStack media = media_.load(i);
         const ShadingPoint<GlassBsdf> at = read_shading_point<GlassBsdf>(
-            SurfaceReader(scene), materials, hit, scene.tracks_media ? &media : nullptr, m, clock);
+            SurfaceReader(scene), materials, hit, scene.has(Feature::media_stacks) ? &media : nullptr, m, clock);
         const PassedInterface there = classify_interface(scene, materials, at.material_index, at.skips_interface, m);
         const UInt path = path_.load(i), bounces = bounces_.load(i);
         const UInt number = path & UInt(~environment_mark);
@@ -170,7 +170,7 @@ private:
         const Mask passes =
             (there.pane | there.open) & any_positive(light) & (there.no_bounce | may_scatter(settings, bounce));
         const Ray ray{at.start(hit.d), hit.d, max(t_max_.load(i) - hit.t, Float(0)), hit.time};
-        push_on(ray, light, scene.tracks_media ? at.media_beyond : MediumStack(), path,
+        push_on(ray, light, scene.has(Feature::media_stacks) ? at.media_beyond : MediumStack(), path,
                 bounces + select(there.no_bounce, UInt(0u), UInt(1u)), passes);
     }
 

@@ -52,7 +52,7 @@ private:
             const Mask single = hidden | (hit & ((flags & UInt(MaterialRecord::single_sided)) != UInt(0u)));
             if (none(single)) continue;
             const Vec3 o = p.origin.load(i), d = p.direction.load(i);
-            const Float time = scene_.tables.moving ? p.time.load(i) : Float(0);
+            const Float time = scene_.has(Feature::motion) ? p.time.load(i) : Float(0);
             const Surface s = surfaces_.read(
                 {o, d, hits.t.load(i), hits.u.load(i), hits.v.load(i), time, primitive, instance}, single);
             const Mask passed = hidden | (single & (dot(d, s.ng) > Float(0)));
@@ -77,7 +77,7 @@ private:
                                  direction_.y.data,
                                  direction_.z.data,
                                  nullptr,
-                                 scene_.tables.moving ? time_.data : nullptr,
+                                 scene_.has(Feature::motion) ? time_.data : nullptr,
                                  size};
             scene_.bvh.closest(
                 rays, {found_.t.data, found_.u.data, found_.v.data, found_.primitive.data, found_.instance.data}, true);

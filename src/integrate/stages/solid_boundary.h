@@ -48,7 +48,8 @@ inline PassedInterface classify_interface(const LaneScene& scene, const Material
     const Mask pane = has(MaterialRecord::pane), open = has(MaterialRecord::index_matched_boundary) & skips_interface;
     Mask no_bounce = open;
     // A pane that encloses an index-matched medium counts no bounce: the scattering inside the medium does.
-    if (scene.open_media) no_bounce |= pane & (materials.get(&MaterialRecord::medium, material, pane) != UInt(0u));
+    if (scene.has(Feature::open_media))
+        no_bounce |= pane & (materials.get(&MaterialRecord::medium, material, pane) != UInt(0u));
     return {pane, open, no_bounce};
 }
 

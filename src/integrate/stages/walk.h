@@ -47,7 +47,7 @@ public:
             const UInt medium = p.media.load(i).current();
             const Mask inside = first_lanes(active - i) & (medium != UInt(0u));
             if (none(inside)) continue;
-            if (scene_.scatters_inside) {
+            if (scene_.has(Feature::scattering_media)) {
                 const Spectrum scattering = scattering_of(scene_, p, i, medium, inside);
                 const Mask scatters = inside & any_positive(scattering);
                 if (any(scatters)) scatter_in_medium(p, hits, i, medium, scattering, scatters);
@@ -57,7 +57,7 @@ public:
                 attenuate(p, hits, i, medium, inside);
             }
         }
-        if (!scene_.open_media) return;
+        if (!scene_.has(Feature::open_media)) return;
         clock_.enter(RenderStage::shadow);
         counters_.costs.clear_shadow_rays += shadows_.trace(scene_, p, settings_, clock_);
         clock_.enter(RenderStage::arrival);
@@ -90,7 +90,7 @@ private:
         const Mask turns = m & (way.distance() < t_hit);
         Spectrum next = throughput * select(turns, way.scattered(scattering), way.passed(t_hit));
         Mask open(false);
-        if (scene_.open_media) {
+        if (scene_.has(Feature::open_media)) {
             open = turns & (gather(tables_.media, &MediumRecord::is_index_matched, medium, m) != UInt(0u));
             // The step count selects the random numbers at the boundary ahead, if it is passed.
             p.walk_steps.store(i, step, m);
@@ -111,12 +111,12 @@ private:
         const Vec3 at = fma(d, clamp_to_segment(o, way.distance(), t_hit), o);
         const Mask lit = open & may_scatter(settings_, bounce);
         if (lights_are_sampled_ && any(lit))
-            sample_light(p, i, at, g, key, step << 16 | UInt(light_group) | (bounce + UInt(1u)), scattered, lit);
+            sample_light(p, {i, at, g, key, step << 16 | UInt(light_group) | (bounce + UInt(1u)), scattered}, lit);
         p.origin.store(i, at, turns);
         p.direction.store(i, normalize(Frame(d).to_world(turned)), turns);
         p.walk_steps.store(i, step, turns);
         p.bsdf_pdf.store(i, select(open, phase_pdf(g, turned.z), Float(0)), turns);
-        if (scene_.has_exit_offset) p.exit_offset.store(i, Float(0), turns);
+        if (scene_.has(Feature::exit_offsets)) p.exit_offset.store(i, Float(0), turns);
         // The path counts as having left the camera: first hits are not recorded through a scattering medium.
         const Mask from_camera = bounce == UInt(0u);
         const UInt left = select(counts | from_camera, UInt(1u), UInt(0u));
@@ -128,13 +128,21 @@ private:
         hits.primitive.store(i, UInt(no_index), turns);
     }
 
-    /// Next event estimation at scattering events: queues the shadow rays. scattered: throughput after scattering,
-    /// without the factor of the phase function.
-    [[gnu::noinline]] void sample_light(const PathPool& p, std::size_t i, const Vec3& at, Float anisotropy,
-                                        const SampleKey& key, UInt group, const Spectrum& scattered, Mask m)
+    /// Scattering events of a gang of paths in a medium.
+    struct ScatteringEvents {
+        std::size_t i;  ///< of the gang's first path
+        Vec3 at;
+        Float anisotropy;
+        SampleKey key;
+        UInt group;          ///< of the light sample's random dimensions
+        Spectrum scattered;  ///< throughput after scattering, without the factor of the phase function
+    };
+    /// Next event estimation at scattering events: queues the shadow rays.
+    [[gnu::noinline]] void sample_light(const PathPool& p, const ScatteringEvents& events, Mask m)
     {
+        const auto& [i, at, anisotropy, key, group, scattered] = events;
         const UInt seed = group_seed(key, group);
-        const Float time = tables_.moving ? p.time.load(i) : Float(0);
+        const Float time = scene_.has(Feature::motion) ? p.time.load(i) : Float(0);
         const LightSample s = lights_.sample(m, at, key, seed, sample_2d(key, pair_seed(seed, pair_light)), time);
         const Float pdf = phase_pdf(anisotropy, dot(s.wi, p.direction.load(i)));
         const Spectrum light = scattered * s.radiance * (pdf * light_weight(s, pdf));

@@ -33,8 +33,8 @@ public:
           leaves_environment_(defer_environment)
     {
         is_alone_ = tables_.lights.size() == 1 && tables_.environment.light == no_index &&
-                    tables_.lights[0].material == no_index && !scene.moving_lights && !scene.curve_lights &&
-                    !scene.pictured_lights;
+                    tables_.lights[0].material == no_index && !scene.has(Feature::moving_lights) &&
+                    !scene.has(Feature::curve_lights) && !scene.has(Feature::light_pictures);
     }
 
     /// Samples a point of the only light, or of a selected one; the density includes the probability of selection.
@@ -88,11 +88,11 @@ public:
 private:
     bool any_moves(const LightReader<false>& light, Mask m) const
     {
-        return scene_.moving_lights && any(m & (light.motion_flags() != UInt(0u)));
+        return scene_.has(Feature::moving_lights) && any(m & (light.motion_flags() != UInt(0u)));
     }
     Mask curves(const LightReader<false>& light, Mask m) const
     {
-        return scene_.curve_lights ? m & is_kind(light.kind(), LightRecordKind::curve) : Mask(false);
+        return scene_.has(Feature::curve_lights) ? m & is_kind(light.kind(), LightRecordKind::curve) : Mask(false);
     }
     [[gnu::noinline]] Float pdf_special(const LightReader<false>& light, const Vec3& o, Float time, const Vec3& d,
                                         Float distance, Float u, Mask m) const
@@ -138,12 +138,12 @@ private:
         const Mask curve = curves(light, valid);
         Float along(0.f);
         if (any(curve)) along = sample_curves(light, eye, time, random, s, curve);
-        if (scene_.varied_lights) {
+        if (scene_.has(Feature::textured_lights)) {
             const UInt material = light.material();
             const Mask varied = valid & (material != UInt(no_index));
             if (any(varied)) s.radiance = s.radiance * factor_at(light, material, eye, s, time, {along, curve}, varied);
         }
-        if (scene_.pictured_lights) {
+        if (scene_.has(Feature::light_pictures)) {
             const Mask pictured = valid & is_kind(light.kind(), LightRecordKind::pictured);
             if (any(pictured)) s.radiance = s.radiance * picture_at(light, s.wi, pictured);
         }

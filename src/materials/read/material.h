@@ -36,7 +36,7 @@ public:
         const Mask colored = m & ((flags & UInt(colored_base)) == UInt(colored_base));
         if (any(colored))
             for (int c = 0; c < channels; ++c) e.c[c] = select(colored, e.c[c] * s.at.vertex_color[c], e.c[c]);
-        if (!scene_.textured) return e;
+        if (!scene_.has(Feature::textures)) return e;
         const UInt texture = get(&MaterialRecord::emission_texture, s.material, m);
         const Texel t = evaluate_textures(t_, texture, s.at, m);
         for (int c = 0; c < channels; ++c) e.c[c] = e.c[c] * t.c[c];
@@ -64,7 +64,7 @@ public:
         p.separable = (flags & UInt(MaterialRecord::separable)) != UInt(0);
         p.compensated = (flags & UInt(MaterialRecord::compensated)) != UInt(0);
         p.nonlinear = (flags & UInt(MaterialRecord::nonlinear)) != UInt(0);
-        if (scene_.has_bumps) {
+        if (scene_.has(Feature::bump_maps)) {
             const Mask bumped = m & ((flags & UInt(MaterialRecord::bumped)) != UInt(0));
             if (any(bumped)) apply_bump_map(t_, bumped, s);
         }
@@ -77,7 +77,7 @@ public:
         if (any(tinted)) p.specular_tint = specular_tint(s, tinted);
         const Mask absorbing = m & ((flags & UInt(MaterialRecord::absorption)) != UInt(0));
         if (any(absorbing)) p.base_color = select(absorbing, hair_color(p.base_color, p.metallic), p.base_color);
-        if (scene_.has_map_tangents) {
+        if (scene_.has(Feature::map_tangents)) {
             const Mask own = m & ((flags & UInt(MaterialRecord::map_tangents)) != UInt(0)) & !s.has_mesh_tangent;
             if (any(own)) use_map_tangents(row.get(&MaterialRecord::normal_texture), own, s);
         }

@@ -218,7 +218,7 @@ inline void intersect_brute_force(const GeometryTables& tables, std::uint32_t pr
             const PieceAt at = piece_at(tables, bvh::piece_id(segment, piece), ray.time);
             Float w;
             m = flags & ShapeRecord::ribbons
-                    ? intersect_ribbon_piece(at.piece, at.tangent_a, at.tangent_b, ray.o, ray.d, far, t, w)
+                    ? intersect_ribbon_piece({at.piece, at.tangent_a, at.tangent_b}, ray.o, ray.d, far, t, w)
                     : intersect_round_piece(at.piece, ray.o, ray.d, far, t, w);
             m &= (at.piece.ra > Float(0)) | (at.piece.rb > Float(0));
             const Float share(1 / float(pieces)), u = fma(w, share, Float(float(piece)) * share);

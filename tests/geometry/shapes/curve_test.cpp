@@ -331,7 +331,7 @@ PieceHit intersect_piece(Vec3f a, float ra, Vec3f b, float rb, Vec3f o, Vec3f d,
     Float t(0.f), w(0.f);
     const CurvePiece piece{Vec3(a), Vec3(b), Float(ra), Float(rb)};
     const Vec3 along = Vec3(b) - Vec3(a);
-    const Mask m = ribbon ? intersect_ribbon_piece(piece, along, along, Vec3(o), Vec3(d), Float(infinity), t, w)
+    const Mask m = ribbon ? intersect_ribbon_piece({piece, along, along}, Vec3(o), Vec3(d), Float(infinity), t, w)
                           : intersect_round_piece(piece, Vec3(o), Vec3(d), Float(infinity), t, w);
     store(ts, t), store(ws, w);
     return {(mask_bits(m) & 1) != 0, ts[0], ws[0]};

@@ -89,10 +89,11 @@ public:
             const CurvePoint<Float> a = curve_.begin(number), b = curve_.end(number);
             const CurvePiece piece{{a.x, a.y, a.z}, {b.x, b.y, b.z}, a.r, b.r};
             Float t(0.f), w(0.f);
-            const Mask m = form_.flags & ribbon
-                               ? intersect_ribbon_piece(piece, curve_.tangent(number),
-                                                        curve_.tangent(number + Float(1)), o, d, Float(infinity), t, w)
-                               : intersect_round_piece(piece, o, d, Float(infinity), t, w);
+            const Mask m =
+                form_.flags & ribbon
+                    ? intersect_ribbon_piece({piece, curve_.tangent(number), curve_.tangent(number + Float(1))}, o, d,
+                                             Float(infinity), t, w)
+                    : intersect_round_piece(piece, o, d, Float(infinity), t, w);
             f(form_.placed ? t * Float(2) : t, (number + w) / curve_.pieces(), m);
         }
     }

@@ -77,10 +77,17 @@ struct StreamMemory {
     std::vector<PacketEntry> packet_stack;
 };
 
-/// Whether a candidate hit of a ray counts. u, v: as in RayHits.
-inline bool passes_alpha(const BvhData& bvh, const StreamMemory& memory, int ray, BvhKey key, std::uint32_t instance,
-                         float t, float u, float v)
+/// A candidate for the hit of a ray. t, u, v: as in RayHits.
+struct HitCandidate {
+    BvhKey key;
+    std::uint32_t instance;
+    float t, u, v;
+};
+
+/// Whether a candidate hit of a ray counts: alpha-tested shapes let some rays pass.
+inline bool passes_alpha(const BvhData& bvh, const StreamMemory& memory, int ray, const HitCandidate& hit)
 {
+    auto [key, instance, t, u, v] = hit;
     const GeometryTables& tables = *bvh.tables;
     const std::uint32_t shape =
         instance == no_index ? tables.shape_of_primitive[key >> 1] : tables.instances[instance].shape;

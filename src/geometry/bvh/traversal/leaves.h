@@ -165,7 +165,8 @@ bool intersect_curves(const GeometryTables& tables, const BvhLeaf& leaf, const L
         Float w;
         Mask m;
         if constexpr (ribbons)
-            m = intersect_ribbon_piece(piece, pieces.vector(8), pieces.vector(11), ray.o, ray.d, Float(infinity), t, w);
+            m = intersect_ribbon_piece({piece, pieces.vector(8), pieces.vector(11)}, ray.o, ray.d, Float(infinity), t,
+                                       w);
         else {
             m = intersect_round_piece(piece, ray.o, ray.d, Float(infinity), t, w);
             const Mask solid = pieces.solid();

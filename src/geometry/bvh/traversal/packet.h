@@ -460,7 +460,7 @@ private:
         for_each_active(m, [&](int lane) {
             if (!memory_.hits.is_preceded_by(bvh_, base + lane, ts[lane], us[lane], key, instance())) return;
             if (bvh_.has_alpha &&
-                !passes_alpha(bvh_, memory_, base + lane, key, instance(), ts[lane], us[lane], vs[lane]))
+                !passes_alpha(bvh_, memory_, base + lane, {key, instance(), ts[lane], us[lane], vs[lane]}))
                 return;
             memory_.hits.set(base + lane, ts[lane], us[lane], vs[lane], key, instance());
             if (any_hit) blocked_ |= RayMask(1) << (base + lane);

@@ -437,7 +437,7 @@ private:
             const BvhKey key = key_of(lane);
             if (!hits.is_preceded_by(bvh_, ray, ts[lane], us[lane], key, states_[ray].instance)) return;
             if (bvh_.has_alpha &&
-                !passes_alpha(bvh_, memory_, ray, key, states_[ray].instance, ts[lane], us[lane], vs[lane]))
+                !passes_alpha(bvh_, memory_, ray, {key, states_[ray].instance, ts[lane], us[lane], vs[lane]}))
                 return;
             hits.set(ray, ts[lane], us[lane], vs[lane], key, states_[ray].instance);
             found = true;

@@ -15,8 +15,7 @@ struct QuadVertex {
     Vec3 d;        ///< direction along which each path arrived
     Vec3 eye;      ///< point from which lights are sampled
     UInt quad;
-    SampleKey key;
-    UInt seed, index;  ///< of the bounce: see Randomness
+    VertexRandom random;
     Spectrum throughput;
 };
 
@@ -42,7 +41,6 @@ public:
         Closures::visit(kind, [&]<class Closure>() {
             if constexpr (is_small<Closure>) scatter_by<Closure>(place, m, lights_are_sampled, sample, next);
         });
-        clock_.enter(RenderStage::quads);
     }
 
 private:
@@ -65,7 +63,7 @@ private:
             next.lit = lit;
         }
         clock_.enter(RenderStage::scatter);
-        next.by = fathom::scatter(closure, at, Guidance{}, place.key, place.seed, place.index, place.throughput);
+        next.by = fathom::scatter(closure, at, Guidance{}, place.random, place.throughput);
         next.start = at.start(next.by.wi);
     }
 

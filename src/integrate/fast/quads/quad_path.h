@@ -36,11 +36,11 @@ public:
           clock_(counters, settings.measure),
           closures_(scene, clock_)
     {
-        clock_.enter(RenderStage::quads);
         lights_are_sampled_ = settings.light_sampling && !tables_.lights.empty();
-        sees_background_ = scene.needs_environment_radiance || settings.background.given;
+        sees_background_ = scene.has(Feature::environment) || settings.background.given;
         for (std::uint32_t kind = 0; kind < closure_kind_count && !all_plain; ++kind)
-            if (scene.has_closure(kind)) others_[other_kinds_].kind = kind, others_[other_kinds_++].end = 0;
+            if (scene.closures.has(ClosureKind(kind)))
+                others_[other_kinds_].kind = kind, others_[other_kinds_++].end = 0;
     }
 
     /// Traces all paths of the job.
@@ -56,6 +56,7 @@ public:
             if constexpr (!all_plain)
                 for (std::size_t k = 0; k < other_kinds_; ++k) run_others(others_[k]);
         }
+        clock_.enter(RenderStage::film);
         ended_.sum();
         if (lights_are_sampled_) counters_.costs.light_samples += counters_.costs.vertices - vertices_before;
     }
@@ -82,7 +83,7 @@ private:
         for (std::size_t i = 0; i < done; i += lanes) bounce_by_closure(p, i, first_lanes(done - i));
         for (std::size_t i = done; i < active; ++i, ++p.end) {
             const auto move = [&](auto& column) { column[p.end] = column[i]; };
-            p.for_all(scene_.refracts, move);
+            p.for_all(scene_.has(Feature::transmission), move);
             move(p.direction.x), move(p.direction.y), move(p.direction.z), move(p.offset);
         }
     }
@@ -90,6 +91,7 @@ private:
     /// Generates camera paths and stores those that hit a scattering surface.
     [[gnu::noinline, gnu::flatten]] void start()
     {
+        clock_.enter(RenderStage::camera);
         const Mask valid = first_lanes(camera_paths_.total() - next_);
         const CameraPaths::Path path = camera_paths_.make(next_);
         next_ += lanes;
@@ -102,13 +104,14 @@ private:
         at.add_radiance(*this, Spectrum(Float(1)), sum);
         const Mask continues = at.continues() & may_scatter(settings_, UInt(0u));
         ended_.add(valid & !continues, path.pixel, path.key.reversed_index, sum);
-        store_path(at, continues, UInt(0u), Spectrum(Float(1)), sum, Float(1), path.key, path.pixel);
+        store_path(at, continues, {UInt(0u), Spectrum(Float(1)), sum, Float(1), path.key, path.pixel});
     }
 
     /// Next event estimation and the next direction for paths on plain quads, stored from index i on. Fields are
     /// reloaded at each use because registers are scarce.
     [[gnu::noinline, gnu::flatten]] void bounce(std::size_t i, Mask valid)
     {
+        clock_.enter(RenderStage::light);
         count_vertices(counters_, valid);
         const QuadPool& p = plain_;
         const UInt seed = group_seed(p.key(i), p.bounces(i) + UInt(1u));
@@ -117,6 +120,7 @@ private:
         Spectrum light(Float(0));
         if (lights_are_sampled_) light = direct_light(i, valid, seed, index);
 
+        clock_.enter(RenderStage::scatter);
         const Vec3 local = sample_cosine_hemisphere(sample_2d(index, pair_seed(seed, pair_bsdf)));
         const Vec3 n = normal(p, i), tangent = scene_.quads.tangent(p.quad(i));
         NextHit<From::plain> at{p.eye.load(i), Frame(tangent, cross(n, tangent), n).to_world(local),
@@ -125,46 +129,50 @@ private:
         Spectrum left = p.throughput.load(i) * scene_.quads.color(p.quad(i));
         Spectrum sum;
         for (int c = 0; c < channels; ++c) sum.c[c] = fma(left.c[c], light.c[c], p.radiance.c[c].load(i));
-        continue_path(at, p, i, valid, seed, !all_plain && scene_.refracts ? p.eta_scale.load(i) : Float(1), left, sum);
+        continue_path(at, p, i, seed, !all_plain && scene_.has(Feature::transmission) ? p.eta_scale.load(i) : Float(1),
+                      left, sum);
     }
 
     /// Next event estimation and the next direction for paths on other quads, stored from index i on.
     [[gnu::noinline, gnu::flatten]] void bounce_by_closure(const ClosureQuadPool& p, std::size_t i, Mask valid)
     {
         count_vertices(counters_, valid);
-        const UInt seed = group_seed(p.key(i), p.bounces(i) + UInt(1u));
-        const UInt index = shuffled_index(p.key(i), seed), quad = p.quad(i);
+        const VertexRandom random(p.key(i), p.bounces(i) + UInt(1u));
+        const UInt quad = p.quad(i);
         const Vec3 eye = p.eye.load(i);
         const Float offset = p.offset.load(i);
-        const QuadVertex place{fma(normal(p, i), -offset, eye),
-                               offset,
-                               p.direction.load(i),
-                               eye,
-                               quad,
-                               p.key(i),
-                               seed,
-                               index,
-                               p.throughput.load(i)};
+        const QuadVertex place{
+            fma(normal(p, i), -offset, eye), offset, p.direction.load(i), eye, quad, random, p.throughput.load(i)};
         const auto light = [&](Mask m) {
-            return lights_.sample(m, eye, place.key, seed, sample_2d(index, pair_seed(seed, pair_light)), Float(0));
+            return lights_.sample(m, eye, random.key, random.seed, random.light(), Float(0));
         };
         QuadScatter next;
         closures_.scatter(ClosureKind(p.kind), place, valid, lights_are_sampled_, light, next);
         Spectrum sum = p.radiance.load(i);
         if (any(next.lit)) sum = sum + select(clear(next.shadow, next.lit), next.direct, Spectrum(Float(0)));
         Float eta_scale(1);
-        if (scene_.refracts) eta_scale = p.eta_scale.load(i) * next.by.eta * next.by.eta;
+        if (scene_.has(Feature::transmission)) eta_scale = p.eta_scale.load(i) * next.by.eta * next.by.eta;
         NextHit<From::other> at{next.start, next.by.wi, next.by.pdf, valid};
         at.specular = next.by.is_delta;
         at.scattered = !next.by.is_delta | ((p.place.load(i) & UInt(QuadPool::scattered)) != UInt(0u));
-        continue_path(at, p, i, valid, seed, eta_scale, next.by.throughput, sum);
+        continue_path(at, p, i, random.seed, eta_scale, next.by.throughput, sum);
     }
+
+    /// State of a gang of paths that continue.
+    struct Continued {
+        UInt bounces;
+        Spectrum throughput, radiance;
+        Float eta_scale;
+        SampleKey key;
+        UInt pixel;
+    };
 
     /// Russian roulette, then the next hit of the paths that continue along `at`. left: throughput; sum: radiance.
     template <From from>
-    [[gnu::always_inline]] void continue_path(NextHit<from>& at, const QuadPool& p, std::size_t i, Mask valid,
-                                              UInt seed, Float eta_scale, Spectrum left, Spectrum sum)
+    [[gnu::always_inline]] void continue_path(NextHit<from>& at, const QuadPool& p, std::size_t i, UInt seed,
+                                              Float eta_scale, Spectrum left, Spectrum sum)
     {
+        const Mask valid = at.alive;
         const UInt before = p.bounces(i);
         at.alive =
             valid & !apply_roulette(roulette_by_throughput(settings_, before, eta_scale, left), p.key(i), seed, left);
@@ -172,38 +180,36 @@ private:
         at.add_radiance(*this, left, sum);
         const Mask continues = at.continues() & may_scatter(settings_, before + UInt(1u));
         ended_.add(valid & !continues, p.pixel.load(i), p.reversed_index.load(i), sum);
-        store_path(at, continues, before + UInt(1u), left, sum, eta_scale, p.key(i), p.pixel.load(i));
+        store_path(at, continues, {before + UInt(1u), left, sum, eta_scale, p.key(i), p.pixel.load(i)});
     }
 
     /// Stores the paths that continue in the pool of plain quads or in that of their closure.
     template <From from>
-    [[gnu::always_inline]] void store_path(const NextHit<from>& at, Mask continues, UInt bounces, const Spectrum& left,
-                                           const Spectrum& sum, Float eta_scale, const SampleKey& key, UInt pixel)
+    [[gnu::always_inline]] void store_path(const NextHit<from>& at, Mask continues, const Continued& path)
     {
         if constexpr (all_plain) {
-            store_in(plain_, plain_end_, at, continues, bounces, left, sum, eta_scale, key, pixel);
+            store_in(plain_, plain_end_, at, path, continues);
         } else {
             const Mask plain = continues & ((at.flags & UInt(QuadColumns::plain)) != UInt(0u));
-            store_in(plain_, plain_end_, at, plain, bounces, left, sum, eta_scale, key, pixel);
+            store_in(plain_, plain_end_, at, path, plain);
             for (std::size_t k = 0; k < other_kinds_; ++k) {
                 ClosureQuadPool& p = others_[k];
                 const Mask m = continues & !plain & ((at.flags >> QuadColumns::kind_shift) == UInt(p.kind));
                 if (none(m)) continue;
                 p.direction.append(p.end, at.d, m), p.offset.append(p.end, at.offset(*this), m);
-                store_in(p, p.end, at, m, bounces, left, sum, eta_scale, key, pixel);
+                store_in(p, p.end, at, path, m);
             }
         }
     }
     template <From from>
-    [[gnu::always_inline]] void store_in(QuadPool& p, std::size_t& end, const NextHit<from>& at, Mask m, UInt bounces,
-                                         const Spectrum& left, const Spectrum& sum, Float eta_scale,
-                                         const SampleKey& key, UInt pixel)
+    [[gnu::always_inline]] void store_in(QuadPool& p, std::size_t& end, const NextHit<from>& at, const Continued& path,
+                                         Mask m)
     {
-        at.store_vertex(*this, p, bounces, m, end);
-        p.throughput.append(end, left, m), p.radiance.append(end, sum, m);
-        if (!all_plain && scene_.refracts) p.eta_scale.append(end, eta_scale, m);
-        p.pixel_hash.append(end, key.pixel_hash, m), p.reversed_index.append(end, key.reversed_index, m);
-        p.pixel.append(end, pixel, m);
+        at.store_vertex(*this, p, path.bounces, m, end);
+        p.throughput.append(end, path.throughput, m), p.radiance.append(end, path.radiance, m);
+        if (!all_plain && scene_.has(Feature::transmission)) p.eta_scale.append(end, path.eta_scale, m);
+        p.pixel_hash.append(end, path.key.pixel_hash, m), p.reversed_index.append(end, path.key.reversed_index, m);
+        p.pixel.append(end, path.pixel, m);
         end += std::size_t(count(m));
     }
 
@@ -215,6 +221,7 @@ private:
     /// Lanes of m whose shadow ray is not blocked.
     [[gnu::always_inline]] Mask clear(const Ray& ray, Mask m)
     {
+        clock_.enter(RenderStage::shadow);
         counters_.count_rays(RayKind::shadow, std::uint64_t(count(m)));
         const Mask clear = m & !scene_.flat.occluded(tables_, ray, m);
         counters_.costs.clear_shadow_rays += std::uint64_t(count(clear));
@@ -257,6 +264,7 @@ private:
 
         [[gnu::always_inline]] void intersect(QuadTracer& tracer)
         {
+            tracer.clock_.enter(RenderStage::trace);
             const LaneScene& scene = tracer.scene_;
             tracer.counters_.count_rays(from_camera ? RayKind::camera : RayKind::bounce, std::uint64_t(count(alive)));
             const Hit hit = scene.flat.closest(scene.tables, Ray{o, d, Float(infinity), Float(0)});
