@@ -57,21 +57,21 @@ bool has_material(const SceneTables& tables, F&& f)
 bool has_open_media(const SceneTables& tables)
 {
     return has_material(tables, [&](const MaterialRecord& m) {
-        return (m.flags & MaterialRecord::index_matched_boundary) || tables.media[m.medium].is_index_matched;
+        return m.features.has(MaterialFeature::index_matched_boundary) || tables.media[m.medium].is_index_matched;
     });
 }
 
 bool has_panes(const SceneTables& tables)
 {
-    return has_material(tables, [](const MaterialRecord& m) { return (m.flags & MaterialRecord::pane) != 0; });
+    return has_material(tables, [](const MaterialRecord& m) { return m.features.has(MaterialFeature::pane); });
 }
 
 /// Flags of shape_info that tell how paths and shadow rays pass a material.
 std::uint32_t pass_flags(const SceneTables& tables, const MaterialRecord& m)
 {
-    if (m.flags & MaterialRecord::index_matched_boundary)
+    if (m.features.has(MaterialFeature::index_matched_boundary))
         return LaneScene::passes_shadow_rays | LaneScene::passes_without_bounce;
-    if (!(m.flags & MaterialRecord::pane)) return 0;
+    if (!m.features.has(MaterialFeature::pane)) return 0;
     // A pane that bounds an index-matched medium counts no bounce: the scattering inside the medium does.
     return LaneScene::passes_shadow_rays |
            (tables.media[m.medium].is_index_matched ? LaneScene::passes_without_bounce : 0);
@@ -154,7 +154,8 @@ void LaneScene::read_shapes()
     for (const ShapeRecord& shape : tables.shapes) {
         const MaterialRecord& material = tables.materials[shape.material];
         read_material(material);
-        shape_info.push_back(material_bucket[shape.material] | (material.flags & MaterialRecord::emits ? emits : 0u) |
+        shape_info.push_back(material_bucket[shape.material] |
+                             (material.features.has(MaterialFeature::emits) ? emits : 0u) |
                              (material.mixture != no_index ? is_mixture : 0u) | pass_flags(tables, material));
     }
 }
@@ -163,7 +164,7 @@ void LaneScene::read_shapes()
 void LaneScene::read_material(const MaterialRecord& material)
 {
     camera_passes_surfaces |=
-        (material.flags & (MaterialRecord::single_sided | MaterialRecord::hidden_from_camera)) != 0;
+        material.features.has_any(MaterialFeature::single_sided | MaterialFeature::hidden_from_camera);
     only_quads &= !camera_passes_surfaces;
     if (material.mixture != no_index) {
         has_mixtures = true;
@@ -175,9 +176,9 @@ void LaneScene::read_material(const MaterialRecord& material)
     }
     refracts |= Closures::transmits(material.closure);
     has_fibers |= material.closure == ClosureKind::hair;
-    wants_tangents |= (material.flags & MaterialRecord::needs_tangent) != 0;
-    has_bumps |= (material.flags & MaterialRecord::bumped) != 0;
-    has_map_tangents |= (material.flags & MaterialRecord::map_tangents) != 0;
+    wants_tangents |= material.features.has(MaterialFeature::needs_tangent);
+    has_bumps |= material.features.has(MaterialFeature::bumped);
+    has_map_tangents |= material.features.has(MaterialFeature::map_tangents);
     wants_uv_slopes |= has_bumps || has_map_tangents;
     for (const std::uint32_t number : {material.medium, material.subsurface_medium}) {
         const MediumRecord& medium = tables.media[number];
@@ -187,7 +188,7 @@ void LaneScene::read_material(const MaterialRecord& material)
     }
     const bool scatters = material.closure != ClosureKind::none;
     if (scatters) kinds |= 1u << std::uint32_t(material.closure);
-    one_sided |= (material.flags & MaterialRecord::one_sided) != 0;
+    one_sided |= material.features.has(MaterialFeature::one_sided);
     only_quads &=
         !one_sided && material.emission_texture == no_index && (!scatters || Closures::is_small(material.closure));
     only_plain_quads &= QuadColumns::is_plain(material);

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include <bit>
+
 #include "fathom/description.h"
 #include "geometry/bvh/bvh.h"
 #include "geometry/flat/flat.h"
@@ -29,10 +31,11 @@ struct LaneScene final : KernelScene {
     /// Per material: its sort bucket, for the constituents of mixtures.
     std::vector<std::uint32_t> material_bucket;
     /// Sort key of paths before shading: first the ClosureKind, then the material modulo 32.
-    static constexpr std::uint32_t bucket_mask = 0x1ff, kind_shift = 5;
-    static constexpr std::uint32_t buckets = std::uint32_t(closure_kind_count) << kind_shift;
-    static_assert(buckets <= bucket_mask + 1);
+    static constexpr std::uint32_t kind_shift = 5;
+    static constexpr std::uint32_t buckets = closure_kind_count << kind_shift;
+    static constexpr std::uint32_t bucket_mask = std::bit_ceil(buckets) - 1;
     static constexpr std::uint32_t samples_light = bucket_mask + 1;  ///< bucket flag of paths that sample a light
+    static_assert((samples_light | bucket_mask) < passes_without_bounce && closure_kind_count <= 32);
     /// Per primitive of a flat scene: the shape_info of its shape; padded for lookup().
     std::vector<std::uint32_t> primitive_info;
     QuadColumns quads;
@@ -45,7 +48,7 @@ struct LaneScene final : KernelScene {
     bool has_exit_offset = false;   ///< light sampling points may differ from ray origins: see PathPool::exit_offset
     bool wants_tangents = false;    ///< tangents of surfaces are needed
     bool has_bumps = false;         ///< some material is bump-mapped
-    bool has_map_tangents = false;  ///< some material has MaterialRecord::map_tangents
+    bool has_map_tangents = false;  ///< some material has MaterialFeature::map_tangents
     bool wants_uv_slopes = false;   ///< has_bumps or has_map_tangents: Surface::ways is filled in
     bool varied_lights = false;     ///< some lights vary over their surface: see LightRecord::material
     bool moving_lights = false;     ///< some lights move: see LightRecord::motion
