@@ -12,6 +12,7 @@
 
 #include "fathom/error.h"
 #include "fathom/image.h"
+#include "fathom/material_names.h"
 #include "fathom/scene_file.h"
 
 namespace fathom::cli {
@@ -29,13 +30,6 @@ const char* name_of(EnvironmentKind kind)
 {
     constexpr const char* names[] = {"none", "constant", "gradient",   "image",       "studio",
                                      "sky",  "cube",     "equal-area", "hosek-wilkie"};
-    return names[int(kind)];
-}
-const char* name_of(MaterialKind kind)
-{
-    constexpr const char* names[] = {"none", "unlit",      "diffuse", "metal",    "fuzz_metal", "glass",    "plastic",
-                                     "hair", "principled", "disney",  "measured", "mix",        "two_sided"};
-    static_assert(std::size(names) == material_kind_count);
     return names[int(kind)];
 }
 
@@ -144,7 +138,7 @@ ordered_json materials_of(const SceneDescription& scene)
     for (std::size_t i = 0; i < scene.materials.size(); ++i) {
         const Material& m = scene.materials[i];
         result.push_back(
-            {{"name", m.name}, {"kind", name_of(m.kind)}, {"shapes", shapes[i]}, {"uses", material_features(m)}});
+            {{"name", m.name}, {"kind", name_in_files(m.kind)}, {"shapes", shapes[i]}, {"uses", material_features(m)}});
         if (is_nonzero(m.emission)) result.back()["emission"] = to_json(m.emission.value);
     }
     return result;

@@ -72,7 +72,8 @@ void check_memory(const Compiler& c, const FlattenedScene& occurrences, TreeBuil
     ShapeMemory shapes(c.scene, build);
     for (const FlattenedShape& p : occurrences.shapes) {
         const MaterialRecord& material = c.tables.materials[material_index(c.tables, *p.shape)];
-        const bool is_light = (material.flags & MaterialRecord::emits) && !(material.flags & MaterialRecord::unlit);
+        const bool is_light =
+            material.features.has(MaterialFeature::emits) && !material.features.has(MaterialFeature::unlit);
         shapes.add(*p.shape, c.mesh_of(*p.shape), 1, is_light);
     }
     check_memory(c.scene.file, shapes.needs());
@@ -252,10 +253,10 @@ bool SceneCompiler::update_materials(Compiler& c)
     const std::vector<MaterialRecord> before = tables_->materials;
     compile_material_records(c);
     const auto alike = [](const MaterialRecord& a, const MaterialRecord& b) {
-        constexpr std::uint32_t shown =
-            MaterialRecord::textured | MaterialRecord::normal_mapped | MaterialRecord::bumped;
+        using enum MaterialFeature;
+        constexpr MaterialFeatures shown = textured | normal_mapped | bumped;
         return a.alpha_mode == b.alpha_mode && a.has_inside() == b.has_inside() &&
-               (a.flags & shown) == (b.flags & shown) &&
+               (a.features & shown) == (b.features & shown) &&
                (a.emission_texture == no_index) == (b.emission_texture == no_index);
     };
     return std::equal(before.begin(), before.end(), tables_->materials.begin(), tables_->materials.end(), alike);

@@ -38,9 +38,9 @@ ShadowTargets shadow_targets(const LightTables& tables)
 /// Flags of shape_info that tell how paths and shadow rays pass a material.
 std::uint32_t pass_flags(const SceneTables& tables, const MaterialRecord& m)
 {
-    if (m.flags & MaterialRecord::index_matched_boundary)
+    if (m.features.has(MaterialFeature::index_matched_boundary))
         return LaneScene::passes_shadow_rays | LaneScene::passes_without_bounce;
-    if (!(m.flags & MaterialRecord::pane)) return 0;
+    if (!m.features.has(MaterialFeature::pane)) return 0;
     // A pane that bounds an index-matched medium counts no bounce: the scattering inside the medium does.
     return LaneScene::passes_shadow_rays |
            (tables.media[m.medium].is_index_matched ? LaneScene::passes_without_bounce : 0);
@@ -99,7 +99,8 @@ void LaneScene::read_shapes()
     shape_info.clear();
     for (const ShapeRecord& shape : tables.shapes) {
         const MaterialRecord& material = tables.materials[shape.material];
-        shape_info.push_back(material_bucket[shape.material] | (material.flags & MaterialRecord::emits ? emits : 0u) |
+        shape_info.push_back(material_bucket[shape.material] |
+                             (material.features.has(MaterialFeature::emits) ? emits : 0u) |
                              (material.mixture != no_index ? is_mixture : 0u) | pass_flags(tables, material));
     }
 }

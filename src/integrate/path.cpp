@@ -368,14 +368,14 @@ private:
         const UInt index = emitting_.load(at);
         const SurfaceHit hit = gather_hit(index, m);
         const Surface s = surfaces_.read(hit, m);
-        const UInt flags = materials_.get(&MaterialRecord::flags, s.material, m);
+        const LaneFeatures features = materials_.features(s.material, m);
         const UInt state = p.state.gather(index, m);
         const auto has = [](UInt bits, std::uint32_t flag) { return (bits & UInt(flag)) != UInt(0u); };
         // Unlit materials are visible to camera and mirror rays but do not illuminate other surfaces.
-        const Mask would_light = has(flags, MaterialRecord::unlit) & has(state, PathPool::scattered);
-        const Mask two_sided = has(flags, MaterialRecord::two_sided_emission);
+        const Mask would_light = features.has(MaterialFeature::unlit) & has(state, PathPool::scattered);
+        const Mask two_sided = features.has(MaterialFeature::two_sided_emission);
         const Mask shows = m & (two_sided | (dot(hit.d, s.ng) < Float(0))) & !would_light;
-        const Spectrum emitted = materials_.emission(s, flags, m);
+        const Spectrum emitted = materials_.emission(s, features, m);
         const Mask specular = has(state, PathPool::specular);
         Float weight(1.f);
         if (lights_are_sampled_) {

@@ -33,9 +33,9 @@ public:
     {
         return any([&](const MaterialRecord& m) { return m.mixture == no_index && f(m); });
     }
-    bool any_constituent_has(std::uint32_t flag) const
+    bool any_constituent_has(MaterialFeature feature) const
     {
-        return any_constituent([&](const MaterialRecord& m) { return (m.flags & flag) != 0; });
+        return any_constituent([&](const MaterialRecord& m) { return m.features.has(feature); });
     }
     /// Whether f holds for a medium of some material that is not a mixture.
     template <class F>
@@ -73,12 +73,12 @@ bool any_shape(const SceneTables& tables, F&& f)
 bool has_open_media(const SceneTables& tables)
 {
     return any_shape(tables, [&](const MaterialRecord& m) {
-        return (m.flags & MaterialRecord::index_matched_boundary) || tables.media[m.medium].is_index_matched;
+        return m.features.has(MaterialFeature::index_matched_boundary) || tables.media[m.medium].is_index_matched;
     });
 }
 bool has_panes(const SceneTables& tables)
 {
-    return any_shape(tables, [](const MaterialRecord& m) { return (m.flags & MaterialRecord::pane) != 0; });
+    return any_shape(tables, [](const MaterialRecord& m) { return m.features.has(MaterialFeature::pane); });
 }
 
 /// Number of solids that have a medium, counting instances.
@@ -98,16 +98,16 @@ void add_surface_features(const SceneTables& tables, const UsedMaterials& used, 
     f.add(Feature::motion, tables.moving);
     f.add(Feature::large_meshes, tables.positions.size() > many_vertices);
     f.add(Feature::textures, !tables.textures.empty());
-    f.add(Feature::tangents, used.any_constituent_has(MaterialRecord::needs_tangent));
+    f.add(Feature::tangents, used.any_constituent_has(MaterialFeature::needs_tangent));
     const bool has_hair = used.any_constituent([](const MaterialRecord& m) { return m.closure == ClosureKind::hair; });
     f.add(Feature::texture_coordinates, f.has(Feature::textures) || has_hair || f.has(Feature::tangents));
-    f.add(Feature::bump_maps, used.any_constituent_has(MaterialRecord::bumped));
-    f.add(Feature::map_tangents, used.any_constituent_has(MaterialRecord::map_tangents));
+    f.add(Feature::bump_maps, used.any_constituent_has(MaterialFeature::bumped));
+    f.add(Feature::map_tangents, used.any_constituent_has(MaterialFeature::map_tangents));
     f.add(Feature::surface_derivatives, f.has(Feature::bump_maps) || f.has(Feature::map_tangents));
     f.add(Feature::mixtures, used.any([](const MaterialRecord& m) { return m.mixture != no_index; }));
-    f.add(Feature::one_sided, used.any_constituent_has(MaterialRecord::one_sided));
+    f.add(Feature::one_sided, used.any_constituent_has(MaterialFeature::one_sided));
     f.add(Feature::camera_pass_through, used.any([](const MaterialRecord& m) {
-        return (m.flags & (MaterialRecord::single_sided | MaterialRecord::hidden_from_camera)) != 0;
+        return m.features.has_any(MaterialFeature::single_sided | MaterialFeature::hidden_from_camera);
     }));
     f.add(Feature::transmission,
           used.any_constituent([](const MaterialRecord& m) { return Closures::transmits(m.closure); }));

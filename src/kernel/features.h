@@ -13,12 +13,12 @@ enum class Feature : std::uint32_t {
     large_meshes,          ///< Vertices exceed the caches close to a core: those of hits are prefetched.
     textures,              ///< Some texture exists: paths are sorted by material, and hits have world positions.
     texture_coordinates,   ///< Textures, hair or tangents: hits have texture coordinates.
-    tangents,              ///< MaterialRecord::needs_tangent: hits have a tangent.
-    bump_maps,             ///< MaterialRecord::bumped: bump maps tilt shading normals.
-    map_tangents,          ///< MaterialRecord::map_tangents: tangents follow the texture coordinates of normal maps.
+    tangents,              ///< MaterialFeature::needs_tangent: hits have a tangent.
+    bump_maps,             ///< MaterialFeature::bumped: bump maps tilt shading normals.
+    map_tangents,          ///< MaterialFeature::map_tangents: tangents follow the texture coordinates of normal maps.
     surface_derivatives,   ///< bump_maps or map_tangents: hits have Surface::derivatives.
     mixtures,              ///< Mixtures: the material of each hit is chosen before paths are sorted.
-    one_sided,             ///< MaterialRecord::one_sided: the throughput of paths that hit such a back becomes 0.
+    one_sided,             ///< MaterialFeature::one_sided: the throughput of paths that hit such a back becomes 0.
     camera_pass_through,   ///< Surfaces that camera rays pass: CameraPassThrough replaces their hits.
     transmission,          ///< Some closure transmits: Russian roulette cancels refraction's scaling of radiance.
     exit_offsets,          ///< Hair or transmissive_shadows: see PathPool::exit_offset.

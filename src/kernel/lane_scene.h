@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include <bit>
+
 #include "fathom/description.h"
 #include "geometry/bvh/bvh.h"
 #include "geometry/flat/flat.h"
@@ -30,10 +32,11 @@ struct LaneScene final : KernelScene {
     /// Per material: its sort bucket, for the constituents of mixtures.
     std::vector<std::uint32_t> material_bucket;
     /// Sort key of paths before shading: first the ClosureKind, then the material modulo 32.
-    static constexpr std::uint32_t bucket_mask = 0x1ff, kind_shift = 5;
-    static constexpr std::uint32_t buckets = std::uint32_t(closure_kind_count) << kind_shift;
-    static_assert(buckets <= bucket_mask + 1);
+    static constexpr std::uint32_t kind_shift = 5;
+    static constexpr std::uint32_t buckets = closure_kind_count << kind_shift;
+    static constexpr std::uint32_t bucket_mask = std::bit_ceil(buckets) - 1;
     static constexpr std::uint32_t samples_light = bucket_mask + 1;  ///< bucket flag of paths that sample a light
+    static_assert((samples_light | bucket_mask) < passes_without_bounce && closure_kind_count <= 32);
     /// Per primitive of a flat scene: the shape_info of its shape; padded for lookup().
     std::vector<std::uint32_t> primitive_info;
     QuadColumns quads;

@@ -12,10 +12,11 @@ inline namespace FATHOM_LANES {
 
 bool QuadColumns::is_plain(const MaterialRecord& material)
 {
-    constexpr std::uint32_t varied = MaterialRecord::textured | MaterialRecord::normal_mapped | MaterialRecord::bumped |
-                                     MaterialRecord::vertex_colored;
+    constexpr MaterialFeatures varied = MaterialFeature::textured | MaterialFeature::normal_mapped |
+                                        MaterialFeature::bumped | MaterialFeature::vertex_colored;
     return material.closure == ClosureKind::none ||
-           (material.closure == ClosureKind::diffuse && material.roughness == 0 && !(material.flags & varied));
+           (material.closure == ClosureKind::diffuse && material.parameters_as<RoughRecord>().roughness == 0 &&
+            !material.features.has_any(varied));
 }
 
 void QuadColumns::build(const SceneTables& tables, bool sheared)
@@ -50,11 +51,11 @@ void QuadColumns::build(const SceneTables& tables, bool sheared)
         std::uint32_t flags = std::uint32_t(material.closure) << kind_shift;
         if (material.closure != ClosureKind::none) flags |= scatters;
         if (is_plain(material)) flags |= plain;
-        const bool emits = material.flags & MaterialRecord::emits,
-                   two_sided = material.flags & MaterialRecord::two_sided_emission;
+        const bool emits = material.features.has(MaterialFeature::emits),
+                   two_sided = material.features.has(MaterialFeature::two_sided_emission);
         if (emits && (two_sided || !flipped)) flags |= emits_front;
         if (emits && (two_sided || flipped)) flags |= emits_back;
-        if (material.flags & MaterialRecord::unlit) flags |= unlit;
+        if (material.features.has(MaterialFeature::unlit)) flags |= unlit;
         set_bits(7, flags);
         set_bits(8, shape.light_base == no_index ? no_index : shape.light_base + (primitive - shape.first_primitive));
         for (std::size_t c = 0; c < channels; ++c) {

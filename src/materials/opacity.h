@@ -16,7 +16,7 @@ inline Float opacity(const ShadingTables& tables, UInt material, const TexturePo
         const MaterialRecord& record = tables.materials[index];
         if (record.alpha_mode == std::uint32_t(AlphaMode::opaque)) return;
         Float alpha(record.alpha);
-        if (record.flags & MaterialRecord::vertex_colored) alpha = alpha * at.vertex_color[3];
+        if (record.features.has(MaterialFeature::vertex_colored)) alpha = alpha * at.vertex_color[3];
         if (record.alpha_texture != no_index) {
             const Texel texel = TextureGraph(tables).evaluate(tables.textures[record.alpha_texture], at, same);
             alpha = alpha * texel.common_channel(record.alpha_channel);

@@ -2,11 +2,15 @@
 #pragma once
 /// Materials and textures as the kernel reads them: fixed-size records that refer to each other by index.
 #include <array>
+#include <cstddef>
 #include <cstdint>
+#include <cstring>
+#include <type_traits>
 #include <vector>
 
 #include "base/large_memory.h"
 #include "base/no_index.h"
+#include "materials/closures/records.h"
 #include "math/rgb.h"
 
 namespace fathom {
@@ -48,24 +52,6 @@ struct TextureSpaceRecord {
     std::array<std::array<float, 4>, 3> rows{};
 };
 
-/// Selects the closure class that evaluates and samples the BSDF (closures/closures.h).
-enum class ClosureKind : std::uint32_t {
-    none,
-    diffuse,
-    metal,
-    fuzz_metal,
-    glass,
-    plastic,
-    hair,
-    principled,
-    disney,
-    disney_transmitting,  ///< disney with lobes that pass light to the other side
-    layered,
-    layered_transmitting,
-    measured
-};
-inline constexpr int closure_kind_count = 13;
-
 /// A scalar parameter: a constant multiplied by one channel of a texture, if there is one.
 struct NumberRecord {
     float value = 0;
@@ -77,7 +63,7 @@ struct ColorRecord {
     std::uint32_t texture = no_index;
 };
 
-/// Parameters of LayeredBsdf beyond those of MaterialRecord.
+/// Parameters of LayeredBsdf beyond those of PrincipledRecord.
 struct LayersRecord {
     enum Features : std::uint32_t {
         with_sheen = 1,
@@ -112,7 +98,7 @@ struct LayersRecord {
     std::uint32_t anisotropy_texture = no_index, coat_normal_texture = no_index;
 };
 
-/// Parameters of DisneyBsdf beyond those of MaterialRecord.
+/// Parameters of DisneyBsdf beyond those of PrincipledRecord.
 struct DisneyRecord {
     enum Features : std::uint32_t { anisotropic = 1, textured = 2 /* any of the parameters here */ };
     std::uint32_t features = 0;
@@ -144,71 +130,110 @@ struct MixtureRecord {
     NumberRecord factor;                  ///< probability of the second material
 };
 
-/// A material: its flags, the parameters of the small closures, and indices of the records of the large ones. Some
-/// closures store other parameters in members that they have no use for; the members' comments say which.
+/// A feature of a material, whatever its closure.
+enum class MaterialFeature : std::uint32_t {
+    textured = 1u << 0,  ///< color or a number of the closure's record has a texture or vertex colors
+    normal_mapped = 1u << 1,
+    vertex_colored = 1u << 2,
+    emits = 1u << 3,
+    two_sided_emission = 1u << 4,
+    unlit = 1u << 5,  ///< visible to camera and mirror rays, but lights no other surface
+    thin = 1u << 6,
+    needs_tangent = 1u << 7,     ///< needs the surface's tangent, for normal maps or anisotropy
+    single_sided = 1u << 8,      ///< camera rays pass through its back
+    one_sided = 1u << 9,         ///< reflects nothing on its back
+    absorbing_fiber = 1u << 10,  ///< base_color is the absorption of a fiber over its radius; requires a HairRecord
+    bumped = 1u << 11,           ///< bump mapped: shading normals are tilted by the slope of `bump`
+    /// needs texture coordinates though not `textured`: hair, emission maps, and textures of records in other tables
+    needs_uv = 1u << 12,
+    index_matched_boundary = 1u << 13,  ///< boundary of a solid of index 1, which only separates media
+    pane = 1u << 14,                    ///< smooth thin glass, which shadow rays pass
+    hidden_from_camera = 1u << 15,
+    invisible_light = 1u << 16,  ///< emits, but rays pass through it
+    map_tangents = 1u << 17,     ///< tangents follow the texture coordinates of each map instead of those of the mesh
+    subsurface = 1u << 18        ///< light passes into a subsurface medium; the closure has a LayersRecord
+};
+
+/// A set of features.
+struct MaterialFeatures {
+    std::uint32_t bits = 0;
+
+    constexpr MaterialFeatures() = default;
+    constexpr MaterialFeatures(MaterialFeature feature) : bits(std::uint32_t(feature)) {}
+
+    constexpr bool has(MaterialFeature feature) const { return (bits & std::uint32_t(feature)) != 0; }
+    constexpr bool has_any(MaterialFeatures of) const { return (bits & of.bits) != 0; }
+    constexpr void add(MaterialFeature feature, bool present = true)
+    {
+        if (present) bits |= std::uint32_t(feature);
+    }
+    constexpr MaterialFeatures& operator|=(MaterialFeatures other)
+    {
+        bits |= other.bits;
+        return *this;
+    }
+    friend constexpr bool operator==(MaterialFeatures a, MaterialFeatures b) = default;
+    friend constexpr MaterialFeatures operator|(MaterialFeatures a, MaterialFeatures b) { return a |= b; }
+    friend constexpr MaterialFeatures operator&(MaterialFeatures a, MaterialFeatures b)
+    {
+        a.bits &= b.bits;
+        return a;
+    }
+};
+constexpr MaterialFeatures operator|(MaterialFeature a, MaterialFeature b)
+{
+    return MaterialFeatures(a) | MaterialFeatures(b);
+}
+
+/// A material: what all materials have, and the parameters of its closure.
 struct MaterialRecord {
-    enum Flags : std::uint32_t {
-        textured = 1,
-        normal_mapped = 2,
-        vertex_colored = 4,
-        emits = 8,
-        two_sided_emission = 16,
-        unlit = 32 /* visible to camera and mirror rays, but lights no other surface */,
-        thin = 64,
-        needs_tangent = 128,  ///< needs the surface's tangent, for normal maps or anisotropy
-        single_sided = 256,   ///< camera rays pass through its back
-        compensated = 512,    ///< energy compensation for multiple scattering between microfacets
-        sheet = 1024,         ///< thin: two boundaries with nothing between them
-        nonlinear = 2048,     ///< plastic: interreflection below the boundary multiplies the body's color each time
-        one_sided = 4096,     ///< reflects nothing on its back
-        absorption = 8192,    ///< hair: base_color is the absorption of a fiber over its radius
-        beckmann = 16384,     ///< Beckmann microfacets instead of GGX
-        bumped = 32768,       ///< bump mapped: shading normals are tilted by the slope of `bump`
-        separable = 65536,    ///< separable shadowing and masking, G1(wo) G1(wi)
-        /// needs texture coordinates though not `textured`: hair, emission maps, textures of the closure's own record
-        needs_uv = 131072,
-        index_matched_boundary = 262144,  ///< boundary of a solid of index 1, which only separates media
-        pane = 524288,                    ///< smooth thin glass, which shadow rays pass
-        hidden_from_camera = 1048576,
-        invisible_light = 2097152,  ///< emits, but rays pass through it
-        tinted = 4194304,           ///< glass, plastic: specular_tint is not white
-        map_tangents = 8388608  ///< tangents follow the texture coordinates of each map instead of those of the mesh
-    };
-    // The members up to normal_scale are read together for each vertex of a path: see row_words.
-    std::uint32_t flags = 0;
-    Rgb base_color{};
-    float roughness = 0;  ///< hair: longitudinal roughness
-    float metallic = 0;   ///< hair: azimuthal roughness; plastic: see PlasticBsdf
-    float ior = 1.5f;
-    float fuzz = 0;                   ///< hair: tilt of its scales, radians; plastic: optical thickness
-    std::uint32_t layers = no_index;  ///< index into ShadingTables::layers
+    // The members up to the first words of `parameters` are read together for each vertex of a path: see row_words.
+    MaterialFeatures features;
+    Rgb base_color{};  ///< reflectance; glass: transmittance; see also MaterialFeature::absorbing_fiber
     std::uint32_t base_texture = no_index, normal_texture = no_index;
     float normal_scale = 1;
+    /// The closure's own record (closures/records.h), as words: see set_parameters.
+    std::array<std::uint32_t, 11> parameters{};
 
     ClosureKind closure = ClosureKind::none;
-    std::uint32_t disney = no_index;    ///< index into ShadingTables::disney
-    std::uint32_t measured = no_index;  ///< index into ShadingTables::measured
-    std::uint32_t mixture = no_index;   ///< index into ShadingTables::mixtures; only emission and alpha of this record
-                                        ///< apply then
+    std::uint32_t mixture = no_index;  ///< index into ShadingTables::mixtures; only emission and alpha of this record
+                                       ///< apply then
     Rgb emission{};
-    Rgb specular_tint{1, 1, 1};
-    std::uint32_t specular_tint_texture = no_index;
+    std::uint32_t emission_texture = no_index;
+    std::uint32_t alpha_mode = 0;  ///< AlphaMode
     float alpha = 1, alpha_cutoff = 0;
+    std::uint32_t alpha_texture = no_index, alpha_channel = 3;
+    NumberRecord bump;         ///< height above the surface, in units of render space
     std::uint32_t medium = 0;  ///< index into MediaTables: interior of a solid; 0: not a solid
     /// Index of the medium that light enters through the subsurface lobe, which may differ from the one that refracted
     /// light enters; 0: none.
     std::uint32_t subsurface_medium = 0;
 
     bool has_inside() const { return medium != 0 || subsurface_medium != 0; }
-    std::uint32_t alpha_mode = 0;  ///< AlphaMode
-    NumberRecord bump;             ///< height above the surface, in units of render space
-    std::uint32_t roughness_texture = no_index, metallic_texture = no_index, emission_texture = no_index,
-                  alpha_texture = no_index;
-    std::uint32_t roughness_channel = 1, metallic_channel = 2, alpha_channel = 3;
 
-    /// Number of leading words of the record that MaterialReader loads in one pass.
+    /// Number of leading words of the record that MaterialReader loads in one pass. They include the first five words
+    /// of `parameters`.
     static constexpr int row_words = 12;
+
+    /// Stores the record of the closure.
+    template <class Record>
+    void set_parameters(const Record& record)
+    {
+        static_assert(sizeof(Record) <= sizeof(parameters) && std::is_trivially_copyable_v<Record>);
+        std::memcpy(parameters.data(), &record, sizeof record);
+    }
+    /// The record of the closure, which must be a Record.
+    template <class Record>
+    Record parameters_as() const
+    {
+        static_assert(sizeof(Record) <= sizeof(parameters) && std::is_trivially_copyable_v<Record>);
+        Record record;
+        std::memcpy(&record, parameters.data(), sizeof record);
+        return record;
+    }
 };
+
+static_assert(offsetof(MaterialRecord, parameters) == 4 * (MaterialRecord::row_words - 5));
 
 /// One stop of a color ramp: position in [0, 1] and color.
 struct RampStopRecord {

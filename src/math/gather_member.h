@@ -60,6 +60,11 @@ struct RecordRow {
     {
         return float_bits(word[detail::word_of(member)]);
     }
+    template <class Member>
+    [[gnu::always_inline]] UInt get(Member Record::* member, std::uint32_t Member::* part) const
+    {
+        return float_bits(word[detail::word_of(member) + detail::word_of(part)]);
+    }
 
     Float word[n];
 };

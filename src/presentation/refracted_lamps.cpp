@@ -109,14 +109,19 @@ private:
 bool refracts_smoothly(const ShadingTables& tables, const MaterialRecord& m)
 {
     constexpr float rough = 0.0316228f;  // the square root of the alpha below which microfacets are treated as mirrors
-    if ((m.flags & (MaterialRecord::thin | MaterialRecord::index_matched_boundary)) != 0) return false;
-    if (m.roughness_texture != no_index || m.roughness > rough) return false;
+    const auto is_smooth = [&](const auto& record) {
+        return record.roughness_texture.texture == no_index && record.roughness <= rough;
+    };
+    if (m.features.has_any(MaterialFeature::thin | MaterialFeature::index_matched_boundary)) return false;
     switch (m.closure) {
         case ClosureKind::glass:
+            return is_smooth(m.parameters_as<GlassRecord>());
         case ClosureKind::disney_transmitting:
-            return true;
-        case ClosureKind::layered_transmitting:
-            return m.layers != no_index && (tables.layers[m.layers].features & LayersRecord::with_transmission) != 0;
+            return is_smooth(m.parameters_as<PrincipledRecord>());
+        case ClosureKind::layered_transmitting: {
+            const auto record = m.parameters_as<PrincipledRecord>();
+            return is_smooth(record) && (tables.layers[record.table].features & LayersRecord::with_transmission) != 0;
+        }
         default:
             return false;
     }

@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "scene/material_table.h"
 
+#include <algorithm>
 #include <numbers>
+
+#include "fathom/material_names.h"
 
 namespace fathom {
 
@@ -299,6 +302,10 @@ const P parameters[] = {
 std::span<const KindName<MaterialKind>> material_kinds()
 {
     return kinds;
+}
+const char* name_in_files(MaterialKind kind)
+{
+    return std::find_if(kinds, std::end(kinds), [&](const auto& known) { return known.kind == kind; })->name;
 }
 std::span<const Parameter<Material>> material_parameters()
 {

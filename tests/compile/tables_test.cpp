@@ -44,7 +44,8 @@ TEST(MaterialTable, KeepsWhatTheMaterialSays)
         EXPECT_NEAR(std::exp(-double(t.media[r.medium].extinction[c]) * 2 * t.render_scale), left[c], 1e-6);
         EXPECT_EQ(t.materials[2].emission[c], 0.1f);
     }
-    EXPECT_EQ(r.ior, 1.7f);
+    const auto glass = r.parameters_as<GlassRecord>();
+    EXPECT_EQ(glass.ior, 1.7f);
     EXPECT_EQ(t.media[r.medium].ior, 1.7f);
     // A thin sheet encloses index 1; opaque materials have no interior medium; medium 0 is empty space.
     const MediumRecord& enclosed = t.media[t.materials[1].medium];
@@ -54,22 +55,24 @@ TEST(MaterialTable, KeepsWhatTheMaterialSays)
     EXPECT_EQ(t.materials[2].medium, 0u);
     EXPECT_EQ(t.media.size(), 3u);
     EXPECT_EQ(t.media[0].ior, 1);
-    EXPECT_EQ(r.roughness, 0.3f);
-    EXPECT_EQ(r.roughness_channel, 2u);
-    EXPECT_EQ(t.materials[3].metallic, 0.4f);
-    EXPECT_EQ(t.materials[3].metallic_channel, 1u);
-    // Glass has no metallic parameter, so its value is ignored.
-    EXPECT_EQ(r.metallic, Material().metallic.value);
+    EXPECT_EQ(glass.roughness, 0.3f);
+    EXPECT_EQ(glass.roughness_texture.channel, 2u);
+    const auto principled = t.materials[3].parameters_as<PrincipledRecord>();
+    EXPECT_EQ(principled.roughness, 0.3f);
+    EXPECT_EQ(principled.roughness_texture.channel, 2u);
+    EXPECT_EQ(principled.metallic, 0.4f);
+    EXPECT_EQ(principled.metallic_texture.channel, 1u);
     EXPECT_EQ(r.alpha, 0.6f);
     EXPECT_EQ(r.alpha_channel, 0u);
     EXPECT_EQ(r.alpha_cutoff, 0.7f);
     EXPECT_EQ(r.alpha_mode, std::uint32_t(AlphaMode::mask));
-    EXPECT_EQ(t.materials[4].fuzz, 0.8f);
+    EXPECT_EQ(t.materials[4].parameters_as<FuzzMetalRecord>().fuzz, 0.8f);
     EXPECT_EQ(r.normal_scale, 0.9f);
-    EXPECT_FALSE(r.flags & (MaterialRecord::thin | MaterialRecord::sheet));
-    EXPECT_TRUE(t.materials[1].flags & MaterialRecord::thin);
-    EXPECT_TRUE(t.materials[1].flags & MaterialRecord::sheet);
-    EXPECT_TRUE(t.materials[2].flags & MaterialRecord::unlit);
+    EXPECT_FALSE(r.features.has(MaterialFeature::thin));
+    EXPECT_FALSE(glass.flags & GlassRecord::sheet);
+    EXPECT_TRUE(t.materials[1].features.has(MaterialFeature::thin));
+    EXPECT_TRUE(t.materials[1].parameters_as<GlassRecord>().flags & GlassRecord::sheet);
+    EXPECT_TRUE(t.materials[2].features.has(MaterialFeature::unlit));
     EXPECT_EQ(t.materials[2].closure, ClosureKind::none);
     EXPECT_TRUE(t.lights.empty());
 }
@@ -160,9 +163,9 @@ TEST(PlasticTable, LayersLoseAShareWithin)
         m.optical_thickness = thickness;
         d.materials = {m};
         const Scene scene = compiled(d);
-        const MaterialRecord& record = scene.data().tables->materials[0];
-        EXPECT_EQ(record.fuzz, thickness);
-        EXPECT_NEAR(record.metallic, lost, 2e-5);
+        const auto record = scene.data().tables->materials[0].parameters_as<PlasticRecord>();
+        EXPECT_EQ(record.optical_thickness, thickness);
+        EXPECT_NEAR(record.internal_absorption, lost, 2e-5);
     }
 }
 
@@ -180,9 +183,10 @@ TEST(MaterialTable, CompensationAndOneBoundary)
         const Scene scene = compiled(d);
         const MaterialRecord& r = scene.data().tables->materials[0];
         EXPECT_EQ(r.closure, ClosureKind::glass);
-        EXPECT_EQ((r.flags & MaterialRecord::compensated) != 0, compensated);
-        EXPECT_TRUE(r.flags & MaterialRecord::thin);
-        EXPECT_FALSE(r.flags & MaterialRecord::sheet);
+        const auto glass = r.parameters_as<GlassRecord>();
+        EXPECT_EQ((glass.flags & facets::compensated) != 0, compensated);
+        EXPECT_TRUE(r.features.has(MaterialFeature::thin));
+        EXPECT_FALSE(glass.flags & GlassRecord::sheet);
     }
 }
 

@@ -21,10 +21,10 @@ SceneTables plain_scene()
     return tables;
 }
 /// The same with flags of its material.
-SceneTables flagged(std::uint32_t flags)
+SceneTables flagged(MaterialFeatures features)
 {
     SceneTables tables = plain_scene();
-    tables.materials[0].flags = flags;
+    tables.materials[0].features = features;
     return tables;
 }
 /// The same with a closure.
@@ -75,16 +75,16 @@ TEST(Features, OfSurfaces)
     SceneTables large = plain_scene();
     large.positions.resize((1 << 17) + 1);
     expect(large, false, {Feature::large_meshes});
-    SceneTables textured = flagged(MaterialRecord::textured);
+    SceneTables textured = flagged(MaterialFeature::textured);
     textured.textures.resize(1);
     expect(textured, true, {Feature::textures, Feature::texture_coordinates, quads});
-    expect(flagged(MaterialRecord::needs_tangent), true,
+    expect(flagged(MaterialFeature::needs_tangent), true,
            {Feature::tangents, Feature::texture_coordinates, quads, plain_quads});
-    expect(flagged(MaterialRecord::bumped), true, {Feature::bump_maps, Feature::surface_derivatives, quads});
-    expect(flagged(MaterialRecord::map_tangents), false, {Feature::map_tangents, Feature::surface_derivatives});
-    expect(flagged(MaterialRecord::one_sided), true, {Feature::one_sided});
-    expect(flagged(MaterialRecord::single_sided), true, {Feature::camera_pass_through});
-    expect(flagged(MaterialRecord::hidden_from_camera), true, {Feature::camera_pass_through});
+    expect(flagged(MaterialFeature::bumped), true, {Feature::bump_maps, Feature::surface_derivatives, quads});
+    expect(flagged(MaterialFeature::map_tangents), false, {Feature::map_tangents, Feature::surface_derivatives});
+    expect(flagged(MaterialFeature::one_sided), true, {Feature::one_sided});
+    expect(flagged(MaterialFeature::single_sided), true, {Feature::camera_pass_through});
+    expect(flagged(MaterialFeature::hidden_from_camera), true, {Feature::camera_pass_through});
     SceneTables disk = plain_scene();
     disk.disks.resize(1);
     expect(disk, true, {});
@@ -109,7 +109,7 @@ TEST(Features, OfTheConstituentsOfMixtures)
     tables.mixtures.resize(1);
     tables.mixtures[0].first = 1, tables.mixtures[0].second = 2;
     tables.materials[1].closure = ClosureKind::glass;
-    tables.materials[2].closure = ClosureKind::metal, tables.materials[2].flags = MaterialRecord::bumped;
+    tables.materials[2].closure = ClosureKind::metal, tables.materials[2].features = MaterialFeature::bumped;
     tables.materials[3].closure = ClosureKind::hair;  // used by no shape
     expect(tables, true, {Feature::mixtures, Feature::transmission, Feature::bump_maps, Feature::surface_derivatives});
     const EnumSet<ClosureKind> closures = find_closures(tables);
@@ -144,10 +144,10 @@ TEST(Features, OfSurfacesThatShadowRaysPass)
     expect(fog, false,
            {Feature::open_media, Feature::transmissive_shadows, Feature::exit_offsets, Feature::media_stacks});
     expect(fog, true, {quads, plain_quads});
-    expect(flagged(MaterialRecord::index_matched_boundary), false,
+    expect(flagged(MaterialFeature::index_matched_boundary), false,
            {Feature::open_media, Feature::transmissive_shadows, Feature::exit_offsets, Feature::media_stacks});
-    expect(flagged(MaterialRecord::pane), false, {Feature::transmissive_shadows, Feature::exit_offsets});
-    EXPECT_TRUE(has_transmissive_surfaces(fog) && has_transmissive_surfaces(flagged(MaterialRecord::pane)));
+    expect(flagged(MaterialFeature::pane), false, {Feature::transmissive_shadows, Feature::exit_offsets});
+    EXPECT_TRUE(has_transmissive_surfaces(fog) && has_transmissive_surfaces(flagged(MaterialFeature::pane)));
     EXPECT_FALSE(has_transmissive_surfaces(plain_scene()));
 }
 

@@ -109,7 +109,7 @@ TEST(Metal, IsTheFormula)
     for (float roughness : {0.25f, 0.6f, 1.0f})
         for (const Direction& wo : some_directions)
             for (const Direction& wi : some_directions) {
-                MaterialPoint m = material(0, roughness);
+                MetalPoint m = material(0, roughness);
                 m.base_color.c[0] = Float(0.9f), m.base_color.c[1] = Float(0.5f), m.base_color.c[2] = Float(0.1f);
                 const BsdfEval e = MetalBsdf(m).eval(lane_direction(wo), lane_direction(wi));
                 const double alpha = double(roughness) * double(roughness);
@@ -206,7 +206,7 @@ TEST(Glass, SmoothSplitsByFresnel)
 {
     for (const bool entering : {true, false})
         for (double degrees : {0.0, 30.0, 60.0}) {
-            MaterialPoint m = material(1, 0, 0, 1.5f);
+            GlassPoint m = material(1, 0, 0, 1.5f);
             m.entering = Mask(entering);
             const double eta = entering ? 1.5 : 1 / 1.5, i = degrees * std::numbers::pi / 180;
             Float cos_t;
@@ -234,7 +234,7 @@ TEST(Glass, IsReciprocal)
         for (double a : {10.0, 50.0})
             for (double b : {100.0, 130.0, 165.0, 20.0, 70.0}) {
                 const Direction wo = towards(a, 0), wi = towards(b, 160);
-                MaterialPoint m = material(1, roughness);
+                GlassPoint m = material(1, roughness);
                 // Energy compensation depends on one direction only, so it is not reciprocal.
                 m.compensated = Mask(false);
                 const double there = first(GlassBsdf(m).eval(lane_direction(wo), lane_direction(wi)).f_cos.c[0]);
@@ -254,7 +254,7 @@ TEST(Glass, IsReciprocal)
 }
 
 /// Directional albedo of glass: mean weight of samples with the radiance scaling by eta^2 undone.
-double mean_weight(const MaterialPoint& m, double degrees, int n)
+double mean_weight(const GlassPoint& m, double degrees, int n)
 {
     const GlassBsdf bsdf(m);
     test::Random random;
@@ -274,7 +274,7 @@ TEST(Glass, RoughKeepsNearlyAllEnergy)
 {
     for (const bool entering : {true, false})
         for (double degrees : {0.0, 30.0}) {
-            MaterialPoint m = material(1, 0.25f);
+            GlassPoint m = material(1, 0.25f);
             m.entering = Mask(entering);
             m.compensated = Mask(false);
             EXPECT_NEAR(mean_weight(m, degrees, 20000), 1, 0.01) << entering << " " << degrees;
@@ -288,7 +288,7 @@ TEST(Glass, CompensatedIsWhite)
         for (const float roughness : {0.1f, 0.3f, 0.6f, 0.85f, 1.0f})
             for (const bool entering : {true, false})
                 for (const double degrees : {0.0, 35.0, 60.0, 80.0}) {
-                    MaterialPoint m = material(1, roughness, 0, ior);
+                    GlassPoint m = material(1, roughness, 0, ior);
                     m.entering = Mask(entering);
                     EXPECT_NEAR(mean_weight(m, degrees, 20000), 1, 0.025)
                         << "index " << ior << ", roughness " << roughness
@@ -306,7 +306,7 @@ TEST(Glass, LossOfASingleScatteringEvent)
     } cases[] = {{0.5f, true, 0, 0.992},  {0.8f, true, 0, 0.950},  {1, true, 0, 0.894},  {1, true, 53.13, 0.770},
                  {0.5f, false, 0, 0.929}, {0.8f, false, 0, 0.646}, {1, false, 0, 0.417}, {1, false, 53.13, 0.514}};
     for (const auto& c : cases) {
-        MaterialPoint m = material(1, c.roughness);
+        GlassPoint m = material(1, c.roughness);
         m.entering = Mask(c.entering);
         m.compensated = Mask(false);
         EXPECT_NEAR(mean_weight(m, c.degrees, 40000), c.albedo, 0.01)

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <concepts>
 #include <numbers>
 #include <string>
 #include <vector>
@@ -14,12 +15,27 @@
 
 namespace fathom::test {
 
-inline MaterialPoint material(float color, float roughness, float metallic = 0, float ior = 1.5f, float fuzz = 0)
+/// Parameters that most closures have. It converts to those of a closure, which keep their defaults otherwise.
+struct CommonPoint : PrincipledPoint {
+    template <std::derived_from<MaterialPoint> Point>
+    operator Point() const
+    {
+        Point p;
+        static_cast<MaterialPoint&>(p) = *this;
+        if constexpr (std::derived_from<Point, FacetsPoint>) static_cast<FacetsPoint&>(p) = *this;
+        if constexpr (requires { p.roughness; }) p.roughness = roughness;
+        if constexpr (requires { p.metallic; }) p.metallic = metallic;
+        if constexpr (requires { p.ior; }) p.ior = ior;
+        return p;
+    }
+};
+
+inline CommonPoint material(float color, float roughness, float metallic = 0, float ior = 1.5f)
 {
-    MaterialPoint m;
+    CommonPoint m;
     m.base_color = Spectrum(Float(color));
-    m.roughness = Float(roughness), m.metallic = Float(metallic), m.ior = Float(ior), m.fuzz = Float(fuzz);
-    m.entering = m.compensated = Mask(true), m.thin = m.sheet = Mask(false);
+    m.roughness = Float(roughness), m.metallic = Float(metallic), m.ior = Float(ior);
+    m.entering = m.compensated = Mask(true), m.thin = Mask(false);
     return m;
 }
 inline Vec3 lane_direction(Direction d)

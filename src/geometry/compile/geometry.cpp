@@ -153,8 +153,8 @@ private:
     /// Whether texture coordinates or tangents affect the appearance of a material.
     static bool shows_uv(const MaterialRecord& m)
     {
-        return (m.flags & (MaterialRecord::textured | MaterialRecord::normal_mapped | MaterialRecord::bumped |
-                           MaterialRecord::needs_tangent | MaterialRecord::needs_uv)) != 0;
+        using enum MaterialFeature;
+        return m.features.has_any(textured | normal_mapped | bumped | needs_tangent | needs_uv);
     }
 
     /// Whether a parallelogram would look exactly like its two triangles: only positions matter.

@@ -76,7 +76,7 @@ private:
             if (!is_round) shape.flags |= ShapeRecord::alpha_tested;
         }
         const auto number = std::uint32_t(t_.shapes.size());
-        if (!(material.flags & MaterialRecord::emits)) {
+        if (!material.features.has(MaterialFeature::emits)) {
             const auto [known, is_new] = shapes_.try_emplace({mesh_shape, shape.material}, number);
             if (!is_new) return known->second;
         }

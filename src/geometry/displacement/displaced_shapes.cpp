@@ -13,7 +13,7 @@
 #include "geometry/displacement/displace.h"
 #include "geometry/displacement/texture_detail.h"
 #include "kernel/kernel.h"
-#include "materials/compile/layers.h"
+#include "materials/compile/inputs.h"
 #include "scene/displacement.h"
 #include "scene/tessellate.h"
 

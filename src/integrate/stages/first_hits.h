@@ -64,12 +64,10 @@ private:
         MaterialPoint point;
         materials_.read(s, hits, hits, point);
         if (!scene_.has(Feature::scattering_media)) return point.base_color;
-        const UInt index = materials_.get(&MaterialRecord::layers, s.material, hits);
-        const Mask layered = hits & (index != UInt(no_index));
+        const Mask layered = hits & materials_.features(s.material, hits).has(MaterialFeature::subsurface);
         if (none(layered)) return point.base_color;
         LayersPoint layers;
-        LayersReader(materials_.tables(), s, index, layered).read(layers);
-        if (!layers.has(LayersRecord::with_subsurface)) return point.base_color;
+        LayersReader(materials_.tables(), s, materials_.layers(s.material, layered), layered).read(layers);
         const Float share = select(layered, (Float(1) - layers.transmission) * layers.subsurface, Float(0));
         Spectrum albedo;
         for (int k = 0; k < channels; ++k)

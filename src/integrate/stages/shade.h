@@ -39,7 +39,7 @@ public:
         paths_ = &paths, hits_ = &hits;
         shadows_.clear();
         std::size_t begin = 0;
-        for (int kind = 0; kind < closure_kind_count; ++kind) {
+        for (std::uint32_t kind = 0; kind < closure_kind_count; ++kind) {
             const std::size_t end = kind_end[kind];
             if (begin < end)
                 Closures::visit(ClosureKind(kind), [&]<class Closure>() {
@@ -270,8 +270,8 @@ private:
     template <class Closure>
     Spectrum black_on_back(const ShadingPoint<Closure>& at, const Spectrum& throughput, Mask valid) const
     {
-        const UInt flags = materials_.get(&MaterialRecord::flags, at.material_index, valid & at.inside);
-        const Mask black = at.inside & ((flags & UInt(MaterialRecord::one_sided)) != UInt(0u));
+        const LaneFeatures features = materials_.features(at.material_index, valid & at.inside);
+        const Mask black = at.inside & features.has(MaterialFeature::one_sided);
         return select(black, Spectrum(Float(0)), throughput);
     }
 

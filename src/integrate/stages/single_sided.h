@@ -47,9 +47,9 @@ private:
             if (none(hit)) continue;
             const UInt instance = scene_.is_flat ? UInt(no_index) : hits.instance.load(i);
             const UInt material = surfaces_.material_of(surfaces_.shape_of(primitive, instance, hit), hit);
-            const UInt flags = materials_.get(&MaterialRecord::flags, material, hit);
-            const Mask hidden = hit & ((flags & UInt(MaterialRecord::hidden_from_camera)) != UInt(0u));
-            const Mask single = hidden | (hit & ((flags & UInt(MaterialRecord::single_sided)) != UInt(0u)));
+            const LaneFeatures features = materials_.features(material, hit);
+            const Mask hidden = hit & features.has(MaterialFeature::hidden_from_camera);
+            const Mask single = hidden | (hit & features.has(MaterialFeature::single_sided));
             if (none(single)) continue;
             const Vec3 o = p.origin.load(i), d = p.direction.load(i);
             const Float time = scene_.has(Feature::motion) ? p.time.load(i) : Float(0);

@@ -22,12 +22,12 @@ inline SolidBoundary solid_boundary(const MaterialReader& materials, UInt materi
     const auto get = [&](auto member, Mask lanes_of) { return materials.get(member, material, lanes_of); };
     const UInt medium = get(&MaterialRecord::medium, m);
     const Mask solid = m & (medium != UInt(0u));
-    const UInt subsurface = get(&MaterialRecord::subsurface_medium, solid), flags = get(&MaterialRecord::flags, solid);
-    const auto has = [&](std::uint32_t flag) { return (flags & UInt(flag)) != UInt(0u); };
+    const UInt subsurface = get(&MaterialRecord::subsurface_medium, solid);
+    const LaneFeatures features = materials.features(material, solid);
     const Mask below = solid & inside & media.contains(subsurface);
     const MediumBoundary boundary(materials.tables(), media, select(below, subsurface, medium), !inside, solid);
-    const Mask is_nothing = has(MaterialRecord::index_matched_boundary) & (boundary.other_ior == Float(1));
-    const Mask skips_interface = solid & !has(MaterialRecord::thin) & (!boundary.is_there | is_nothing);
+    const Mask is_nothing = features.has(MaterialFeature::index_matched_boundary) & (boundary.other_ior == Float(1));
+    const Mask skips_interface = solid & !features.has(MaterialFeature::thin) & (!boundary.is_there | is_nothing);
     return {solid, below, boundary, skips_interface};
 }
 
@@ -43,9 +43,9 @@ struct PassedInterface {
 inline PassedInterface classify_interface(const LaneScene& scene, const MaterialReader& materials, UInt material,
                                           Mask skips_interface, Mask m)
 {
-    const UInt flags = materials.get(&MaterialRecord::flags, material, m);
-    const auto has = [&](std::uint32_t flag) { return m & ((flags & UInt(flag)) != UInt(0u)); };
-    const Mask pane = has(MaterialRecord::pane), open = has(MaterialRecord::index_matched_boundary) & skips_interface;
+    const LaneFeatures features = materials.features(material, m);
+    const Mask pane = m & features.has(MaterialFeature::pane),
+               open = m & features.has(MaterialFeature::index_matched_boundary) & skips_interface;
     Mask no_bounce = open;
     // A pane that encloses an index-matched medium counts no bounce: the scattering inside the medium does.
     if (scene.has(Feature::open_media))

@@ -10,7 +10,7 @@
 #include "lights/compile/motion_bounds.h"
 #include "lights/sky/sky.h"
 #include "lights/tree/build_tree.h"
-#include "materials/compile/layers.h"
+#include "materials/compile/inputs.h"
 #include "math/luminance.h"
 
 namespace fathom {
@@ -62,7 +62,7 @@ private:
     bool is_sampled(const ShapeRecord& shape) const
     {
         const MaterialRecord& material = t_.materials[shape.material];
-        return (material.flags & MaterialRecord::emits) && !(material.flags & MaterialRecord::unlit);
+        return material.features.has(MaterialFeature::emits) && !material.features.has(MaterialFeature::unlit);
     }
 
     /// Adds the lights of a shape outside instances.
@@ -104,7 +104,7 @@ private:
         const MaterialRecord& material = t_.materials[shape.material];
         const bool flipped = to_render.determinant() < 0 || (shape.flags & ShapeRecord::flipped);
         const bool is_masked =
-            (shape.flags & ShapeRecord::alpha_tested) && !(material.flags & MaterialRecord::invisible_light);
+            (shape.flags & ShapeRecord::alpha_tested) && !material.features.has(MaterialFeature::invisible_light);
         const bool varied = material.emission_texture != no_index || is_masked;
         shape.light_base = std::uint32_t(t_.lights.size());
         const std::uint32_t same = first < t_.primitive_count() ? t_.shape_of_primitive[first] : no_index;
@@ -113,8 +113,8 @@ private:
             light.primitive = p;
             light.instance = instance;
             light.material = varied ? shape.material : no_index;
-            if (material.flags & MaterialRecord::two_sided_emission) light.flags |= LightRecord::two_sided;
-            if (material.flags & MaterialRecord::invisible_light) light.flags |= LightRecord::not_hit_by_rays;
+            if (material.features.has(MaterialFeature::two_sided_emission)) light.flags |= LightRecord::two_sided;
+            if (material.features.has(MaterialFeature::invisible_light)) light.flags |= LightRecord::not_hit_by_rays;
             std::copy(material.emission.begin(), material.emission.end(), light.radiance);
             // Power of a light. Textured emission counts as its factor times the area; curves emit from their outside
             // only.

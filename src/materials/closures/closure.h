@@ -8,9 +8,11 @@
 ///     static constexpr bool transmits        whether light passes to the other side
 ///     static constexpr bool is_glossy        whether most energy goes in or near the mirror direction, so that shading
 ///                                            normals must not put that direction below the surface
-///     using Point                            its parameters: MaterialPoint or a type derived from it
+///     using Point                            its parameters: a type derived from MaterialPoint. Point::Record is the
+///                                            record that MaterialRecord keeps (closures/records.h), and Point::read
+///                                            takes a ParameterReader of it
 ///     static constexpr bool is_guided        whether path guiding may sample directions too (see guiding/)
-///     static constexpr bool is_fiber         whether the frame's x is along a hair fiber, and MaterialPoint::across
+///     static constexpr bool is_fiber         whether the frame's x is along a hair fiber, and HairPoint::across
 ///                                            is read
 ///     explicit Closure(const Point&)
 ///     BsdfEval eval(wo, wi)                  f_cos and the solid angle density of sampling wi
@@ -25,7 +27,7 @@
 #include <type_traits>
 
 #include "materials/microfacet/microfacet.h"
-#include "materials/records.h"
+#include "materials/parameter_reader.h"
 #include "math/spectrum.h"
 #include "sampling/warp.h"
 
@@ -100,34 +102,70 @@ struct MeasuredPoint {
     Float facing;          ///< negative where the path is behind the geometric normal
 };
 
-/// Parameters of a surface's material, textures applied.
+/// Parameters of a surface's material that all closures have, textures applied.
 struct MaterialPoint {
     Spectrum base_color;
-    Float roughness, metallic, ior, fuzz;
-    Mask entering;          ///< the path arrives on the side of the geometric normal
-    Mask thin;              ///< a surface without thickness
-    Mask sheet;             ///< thin: two boundaries, between which light is reflected repeatedly
+    Mask entering;  ///< the path arrives on the side of the geometric normal
+    Mask thin;      ///< a surface without thickness
+};
+
+/// Parameters of a closure with microfacets.
+struct FacetsPoint : MaterialPoint {
+    Float roughness;
     Mask beckmann{false};   ///< Beckmann microfacets instead of GGX
     Mask separable{false};  ///< separable shadowing and masking, G1(wo) G1(wi)
     Mask compensated;       ///< energy compensation for multiple scattering between microfacets
-    Mask nonlinear{true};   ///< plastic: interreflection below the boundary multiplies the body's color each time
-    Spectrum specular_tint{Float(1)};  ///< glass, plastic: color that multiplies reflections
-    Float across{0};  ///< hair: offset of the hit across the fiber's width, -1 to 1 along the frame's y
+
+    template <class Record>
+    void read_facets(const ParameterReader<Record>& r)
+    {
+        roughness = r.number(&Record::roughness, &Record::roughness_texture);
+        beckmann = r.has_flag(facets::beckmann), separable = r.has_flag(facets::separable);
+        compensated = r.has_flag(facets::compensated);
+    }
 };
+
+/// Parameters of closures that need color and roughness only.
+struct RoughPoint : MaterialPoint {
+    using Record = RoughRecord;
+    Float roughness;
+
+    void read(const ParameterReader<Record>& r)
+    {
+        roughness = r.number(&Record::roughness, &Record::roughness_texture);
+    }
+};
+
+/// Parameters of PrincipledBsdf, and of the base of DisneyBsdf and LayeredBsdf.
+struct PrincipledPoint : FacetsPoint {
+    using Record = PrincipledRecord;
+    Float metallic, ior;
+
+    void read(const ParameterReader<Record>& r)
+    {
+        read_facets(r);
+        metallic = r.number(&Record::metallic, &Record::metallic_texture);
+        ior = r.get(&Record::ior);
+    }
+};
+
 /// Parameters of LayeredBsdf. It is a type of its own since it takes about fifty times the registers of other closures'
 /// parameters.
-struct LayeredMaterialPoint : MaterialPoint {
+struct LayeredMaterialPoint : PrincipledPoint {
     LayersPoint layers;
 };
 
 /// Parameters of DisneyBsdf.
-struct DisneyMaterialPoint : MaterialPoint {
+struct DisneyMaterialPoint : PrincipledPoint {
     DisneyPoint disney;
 };
 
 /// Parameters of MeasuredBsdf.
 struct MeasuredMaterialPoint : MaterialPoint {
+    using Record = MeasuredSurfaceRecord;
     MeasuredPoint measured;
+
+    void read(const ParameterReader<Record>&) {}
 };
 
 /// Lanes whose microfacets are smooth enough to be treated as a mirror.
@@ -136,19 +174,23 @@ inline Mask is_mirror(Float roughness)
     return roughness * roughness < Float(min_alpha);
 }
 /// GGX alpha of the distribution that is sampled: for Beckmann lanes that of the most similar GGX distribution.
-inline Float sampled_alpha(const MaterialPoint& m)
+inline Float sampled_alpha(const FacetsPoint& m)
 {
     return m.roughness * m.roughness * select(m.beckmann, Float(ggx_of_beckmann), Float(1));
 }
 /// Square root of sampled_alpha, for lookups in GGX albedo tables.
-inline Float sampled_roughness(const MaterialPoint& m)
+inline Float sampled_roughness(const FacetsPoint& m)
 {
     return m.roughness * select(m.beckmann, Float(sqrt_ggx_of_beckmann), Float(1));
 }
 
-/// Whether a closure takes a LayeredMaterialPoint.
+/// Whether a closure takes parameters from a table of their own.
 template <class Closure>
 inline constexpr bool is_layered = std::is_same_v<typename Closure::Point, LayeredMaterialPoint>;
+template <class Closure>
+inline constexpr bool is_disney = std::is_same_v<typename Closure::Point, DisneyMaterialPoint>;
+template <class Closure>
+inline constexpr bool is_measured = std::is_same_v<typename Closure::Point, MeasuredMaterialPoint>;
 
 }  // namespace FATHOM_LANES
 }  // namespace fathom

@@ -15,9 +15,10 @@
 namespace fathom {
 inline namespace FATHOM_LANES {
 
-/// Whether a closure is small in code: parameters of a plain MaterialPoint, and not for fibers.
+/// Whether a closure is small in code: no record in a table of its own, and not for fibers.
 template <class Closure>
-inline constexpr bool is_small = std::is_same_v<typename Closure::Point, MaterialPoint> && !Closure::is_fiber;
+inline constexpr bool is_small =
+    !is_layered<Closure> && !is_disney<Closure> && !is_measured<Closure> && !Closure::is_fiber;
 
 /// A list of closure types with lookup by ClosureKind.
 template <class... Closure>

@@ -12,11 +12,11 @@ public:
     static constexpr ClosureKind kind = ClosureKind::diffuse;
     static constexpr bool transmits = false;
     static constexpr bool is_glossy = false;
-    using Point = MaterialPoint;
+    using Point = RoughPoint;
     static constexpr bool is_guided = true;
     static constexpr bool is_fiber = false;
 
-    explicit DiffuseBsdf(const MaterialPoint& m) : color_(m.base_color), r_(m.roughness)
+    explicit DiffuseBsdf(const RoughPoint& m) : color_(m.base_color), r_(m.roughness)
     {
         is_rough_ = any(r_ > Float(0));
     }

@@ -5,6 +5,14 @@
 namespace fathom {
 inline namespace FATHOM_LANES {
 
+/// Parameters of FuzzMetalBsdf, textures applied: see FuzzMetalRecord.
+struct FuzzMetalPoint : MaterialPoint {
+    using Record = FuzzMetalRecord;
+    Float fuzz;  ///< radius of the ball around the mirror direction
+
+    void read(const ParameterReader<Record>& r) { fuzz = r.get(&Record::fuzz); }
+};
+
 /// The metal of "Ray Tracing in One Weekend": the mirror direction plus fuzz times a random point of the unit ball.
 /// Directions below the surface are absorbed.
 ///
@@ -16,11 +24,11 @@ public:
     static constexpr ClosureKind kind = ClosureKind::fuzz_metal;
     static constexpr bool transmits = false;
     static constexpr bool is_glossy = true;
-    using Point = MaterialPoint;
+    using Point = FuzzMetalPoint;
     static constexpr bool is_guided = false;
     static constexpr bool is_fiber = false;
 
-    explicit FuzzMetalBsdf(const MaterialPoint& m) : color_(m.base_color), fuzz_(clamp(m.fuzz, Float(0), Float(1)))
+    explicit FuzzMetalBsdf(const FuzzMetalPoint& m) : color_(m.base_color), fuzz_(clamp(m.fuzz, Float(0), Float(1)))
     {
         is_mirror_ = fuzz_ < Float(1e-3f);
     }

@@ -6,6 +6,24 @@
 namespace fathom {
 inline namespace FATHOM_LANES {
 
+/// Parameters of GlassBsdf, textures applied: see GlassRecord.
+struct GlassPoint : FacetsPoint {
+    using Record = GlassRecord;
+    Float ior;
+    Mask sheet{false};                    ///< thin: two boundaries, between which light is reflected repeatedly
+    Spectrum reflection_color{Float(1)};  ///< multiplies reflections
+
+    void read(const ParameterReader<Record>& r)
+    {
+        read_facets(r);
+        ior = r.get(&Record::ior);
+        sheet = r.has_flag(Record::sheet);
+        const Mask tinted = r.has_flag(Record::tinted);
+        if (any(tinted))
+            reflection_color = r.color(&Record::reflection_color, &Record::reflection_color_texture, tinted);
+    }
+};
+
 /// Refracts wo at the normal h. cos_o, cos_t: cosines of wo and of the refracted direction to h; eta: index beyond over
 /// index before.
 inline Vec3 refract(Vec3 wo, Vec3 h, Float cos_o, Float cos_t, Float eta)
@@ -28,15 +46,15 @@ public:
     static constexpr ClosureKind kind = ClosureKind::glass;
     static constexpr bool transmits = true;
     static constexpr bool is_glossy = true;
-    using Point = MaterialPoint;
+    using Point = GlassPoint;
     static constexpr bool is_guided = false;
     static constexpr bool is_fiber = false;
 
-    explicit GlassBsdf(const MaterialPoint& m)
+    explicit GlassBsdf(const GlassPoint& m)
         : roughness_(sampled_roughness(m)),
           ggx_({max(sampled_alpha(m), Float(min_alpha))}, m.beckmann, m.separable),
           color_(m.base_color),
-          reflected_(m.specular_tint),
+          reflected_(m.reflection_color),
           is_thin_(m.thin),
           is_sheet_(m.sheet),
           is_compensated_(m.compensated)

@@ -8,6 +8,23 @@
 namespace fathom {
 inline namespace FATHOM_LANES {
 
+/// Parameters of HairBsdf, textures applied: see HairRecord.
+struct HairPoint : MaterialPoint {
+    using Record = HairRecord;
+    Float beta_m, beta_n;  ///< longitudinal and azimuthal roughness
+    Float ior;
+    Float scale_tilt;  ///< radians
+    Float across{0};   ///< offset of the hit across the fiber's width, -1 to 1 along the frame's y
+
+    void read(const ParameterReader<Record>& r)
+    {
+        beta_m = r.number(&Record::beta_m, &Record::beta_m_texture);
+        beta_n = r.number(&Record::beta_n, &Record::beta_n_texture);
+        ior = r.get(&Record::ior);
+        scale_tilt = r.get(&Record::scale_tilt);
+    }
+};
+
 /// Hair fiber: a rough dielectric cylinder with absorption, whose scales are tilted. A scattering event covers all
 /// paths inside the fiber: reflection (R), transmission (TT), one internal reflection (TRT), and all longer ones, each
 /// with a lobe. Chiang, Bitterli, Tappan, Burley 2016, "A Practical and Controllable Hair and Fur Model for Production
@@ -22,15 +39,15 @@ public:
     static constexpr ClosureKind kind = ClosureKind::hair;
     static constexpr bool transmits = true;
     static constexpr bool is_glossy = false;
-    using Point = MaterialPoint;
+    using Point = HairPoint;
     static constexpr bool is_guided = false;
     static constexpr bool is_fiber = true;
 
-    explicit HairBsdf(const MaterialPoint& m)
+    explicit HairBsdf(const HairPoint& m)
         : h_(clamp(m.across, Float(-1), Float(1))), eta_(clamp(m.ior, Float(1), Float(3)))
     {
-        const Float beta_m = clamp(m.roughness, Float(min_beta), Float(1)),
-                    beta_n = clamp(m.metallic, Float(min_beta), Float(1));
+        const Float beta_m = clamp(m.beta_m, Float(min_beta), Float(1)),
+                    beta_n = clamp(m.beta_n, Float(min_beta), Float(1));
         absorption_ = hair_absorption(m.base_color, beta_n);
         const auto to_20 = [](Float x) {
             const Float x2 = x * x, x4 = x2 * x2, x8 = x4 * x4;
@@ -48,7 +65,7 @@ public:
         // The tilt of the scales shifts R towards the root by twice their angle, TT towards the tip by once and TRT by
         // four times their angle.
         constexpr float turns[] = {-2, 1, 4, 0};
-        for (int p = 0; p < lobes; ++p) tilt_[p] = sincos_2pi(m.fuzz * Float(turns[p] * 0.5f * inv_pi));
+        for (int p = 0; p < lobes; ++p) tilt_[p] = sincos_2pi(m.scale_tilt * Float(turns[p] * 0.5f * inv_pi));
     }
     Mask has_non_delta() const { return Mask(true); }
     BsdfEval eval(Vec3 wo, Vec3 wi) const { return evaluate(Path(*this, wo), wi); }

@@ -394,7 +394,7 @@ private:
         reflectance(max(dot(o, h), Float(0)), dielectric, metal);
         Spectrum body = color_;
         if (l_.has(LayersRecord::rough_diffuse)) {
-            MaterialPoint rough;
+            RoughPoint rough;
             rough.base_color = color_;
             rough.roughness = l_.diffuse_roughness;
             body = DiffuseBsdf(rough).eval(wo, wi).f_cos * select(cosine > Float(0), Float(1) / cosine, Float(0));

@@ -6,6 +6,13 @@
 namespace fathom {
 inline namespace FATHOM_LANES {
 
+/// Parameters of MetalBsdf, textures applied: see MetalRecord.
+struct MetalPoint : FacetsPoint {
+    using Record = MetalRecord;
+
+    void read(const ParameterReader<Record>& r) { read_facets(r); }
+};
+
 /// A conductor: GGX microfacets with Schlick's reflectance, scaled to compensate for multiple scattering (Turquin 2019,
 /// "Practical multiple scattering compensation for microfacet models"). A mirror below min_alpha.
 class MetalBsdf {
@@ -13,11 +20,11 @@ public:
     static constexpr ClosureKind kind = ClosureKind::metal;
     static constexpr bool transmits = false;
     static constexpr bool is_glossy = true;
-    using Point = MaterialPoint;
+    using Point = MetalPoint;
     static constexpr bool is_guided = true;
     static constexpr bool is_fiber = false;
 
-    explicit MetalBsdf(const MaterialPoint& m)
+    explicit MetalBsdf(const MetalPoint& m)
         : color_(m.base_color),
           roughness_(sampled_roughness(m)),
           ggx_({max(sampled_alpha(m), Float(min_alpha))}, m.beckmann, m.separable),

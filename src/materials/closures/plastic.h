@@ -7,6 +7,27 @@
 namespace fathom {
 inline namespace FATHOM_LANES {
 
+/// Parameters of PlasticBsdf, textures applied: see PlasticRecord.
+struct PlasticPoint : FacetsPoint {
+    using Record = PlasticRecord;
+    Float ior;
+    Float optical_thickness{0}, internal_absorption{0};  ///< see PlasticRecord
+    Mask nonlinear{true};                 ///< interreflection below the boundary multiplies the body's color each time
+    Spectrum reflection_color{Float(1)};  ///< multiplies reflections
+
+    void read(const ParameterReader<Record>& r)
+    {
+        read_facets(r);
+        ior = r.get(&Record::ior);
+        optical_thickness = r.get(&Record::optical_thickness);
+        internal_absorption = r.get(&Record::internal_absorption);
+        nonlinear = r.has_flag(Record::nonlinear);
+        const Mask tinted = r.has_flag(Record::tinted);
+        if (any(tinted))
+            reflection_color = r.color(&Record::reflection_color, &Record::reflection_color_texture, tinted);
+    }
+};
+
 /// A smooth or rough dielectric boundary over a diffuse body. Microfacets reflect by Fresnel's equations (Walter et al.
 /// 2007). Light that enters is scattered by the body and partly reflected back at the boundary, repeatedly, until it
 /// leaves. The body is diffuse, so the series has a closed form in the boundary's directional transmittance and its
@@ -18,35 +39,34 @@ inline namespace FATHOM_LANES {
 /// enters; otherwise only light that passes in the first event, as in layers simulated by random walks, and the rest is
 /// lost.
 ///
-/// A gray layer between boundary and body (optical thickness `fuzz`) absorbs along the directions that a smooth
-/// boundary refracts to, and absorbs the fraction `metallic` of internally reflected light. A negative `metallic` is
-/// minus the internal reflectance itself.
+/// A gray layer between boundary and body absorbs along the directions that a smooth boundary refracts to, and absorbs
+/// the fraction `internal_absorption` of internally reflected light.
 class PlasticBsdf {
 public:
     static constexpr ClosureKind kind = ClosureKind::plastic;
     static constexpr bool transmits = false;
     static constexpr bool is_glossy = true;
-    using Point = MaterialPoint;
+    using Point = PlasticPoint;
     static constexpr bool is_guided = true;
     static constexpr bool is_fiber = false;
 
-    explicit PlasticBsdf(const MaterialPoint& m)
+    explicit PlasticBsdf(const PlasticPoint& m)
         : roughness_(sampled_roughness(m)),
           ggx_({max(sampled_alpha(m), Float(2 * min_alpha))}, m.beckmann, m.separable),
           mirrors_(is_mirror(m.roughness)),
           facets_(select(m.compensated, UInt(compensated),
                          select(m.beckmann, UInt(beckmann), select(m.separable, UInt(separable), UInt(correlated))))),
-          tint_(m.specular_tint),
+          tint_(m.reflection_color),
           ior_(clamp(m.ior, Float(1), Float(3))),
-          thickness_(m.fuzz)
+          thickness_(m.optical_thickness)
     {
         const UInt row_of_facets = UInt(passing) + (facets_ - UInt(1)) * UInt(2);
         const Mask all_goes_in = facets_ == UInt(compensated);
         const Float lets_in = select(all_goes_in, Float(1), mean_of(row_of_facets)) * (Float(1) - mean_reflected());
         const Float lost = select(all_goes_in, Float(0), mean_of(row_of_facets + UInt(1)));
         const Float out = lets_in / (ior_ * ior_),
-                    follows = clamp(Float(1) - out - lost, Float(0), Float(1)) * (Float(1) - m.metallic),
-                    inner = select(m.metallic < Float(0), -m.metallic, follows);
+                    follows = clamp(Float(1) - out - lost, Float(0), Float(1)) * (Float(1) - m.internal_absorption),
+                    inner = select(m.internal_absorption < Float(0), -m.internal_absorption, follows);
         for (int i = 0; i < channels; ++i) {
             const Float color = m.base_color.c[i];
             // Mitsuba's linear model treats internally reflected light as white.

@@ -16,11 +16,11 @@ public:
     static constexpr ClosureKind kind = ClosureKind::principled;
     static constexpr bool transmits = false;
     static constexpr bool is_glossy = true;
-    using Point = MaterialPoint;
+    using Point = PrincipledPoint;
     static constexpr bool is_guided = true;
     static constexpr bool is_fiber = false;
 
-    explicit PrincipledBsdf(const MaterialPoint& m)
+    explicit PrincipledBsdf(const PrincipledPoint& m)
         : roughness_(sampled_roughness(m)),
           ggx_({max(sampled_alpha(m), Float(2 * min_alpha))}, m.beckmann, m.separable),
           mirrors_(is_mirror(m.roughness)),

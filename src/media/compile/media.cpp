@@ -7,7 +7,7 @@
 #include <cmath>
 
 #include "fathom/error.h"
-#include "materials/compile/layers.h"
+#include "materials/compile/inputs.h"
 #include "scene/scattering.h"
 
 namespace fathom {

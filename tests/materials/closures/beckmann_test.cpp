@@ -11,9 +11,9 @@
 namespace fathom::test {
 namespace {
 
-MaterialPoint beckmann(float color, float roughness, float metallic = 0)
+CommonPoint beckmann(float color, float roughness, float metallic = 0)
 {
-    MaterialPoint m = material(color, roughness, metallic);
+    CommonPoint m = material(color, roughness, metallic);
     m.beckmann = Mask(true);
     m.compensated = Mask(false);
     return m;
@@ -72,8 +72,7 @@ TEST(Beckmann, IsTheFormula)
 TEST(Beckmann, OfLayers)
 {
     const auto layered = [](float metallic) {
-        LayeredMaterialPoint m;
-        static_cast<MaterialPoint&>(m) = beckmann(0.8f, 0.5f, metallic);
+        LayeredMaterialPoint m = beckmann(0.8f, 0.5f, metallic);
         m.layers.features = LayersRecord::anisotropic;
         m.layers.anisotropy = Float(0.5f);
         m.layers.tangent = Vec3{Float(1), Float(0), Float(0)};

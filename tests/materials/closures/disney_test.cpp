@@ -15,8 +15,7 @@ struct Surface {
 
 DisneyMaterialPoint point(const Surface& s, bool entering = true)
 {
-    DisneyMaterialPoint m;
-    static_cast<MaterialPoint&>(m) = material(0.6f, s.roughness, s.metallic, s.ior);
+    DisneyMaterialPoint m = material(0.6f, s.roughness, s.metallic, s.ior);
     m.base_color.c[1] = Float(0.3f), m.base_color.c[2] = Float(0.1f);
     m.entering = Mask(entering), m.thin = Mask(s.is_thin);
     m.disney = {Float(s.anisotropy),           Float(s.flatness),

@@ -11,9 +11,9 @@
 namespace fathom::test {
 namespace {
 
-MaterialPoint separable(float color, float roughness, float metallic = 0)
+CommonPoint separable(float color, float roughness, float metallic = 0)
 {
-    MaterialPoint m = material(color, roughness, metallic);
+    CommonPoint m = material(color, roughness, metallic);
     m.separable = Mask(true);
     m.compensated = Mask(false);
     return m;
@@ -21,8 +21,7 @@ MaterialPoint separable(float color, float roughness, float metallic = 0)
 
 LayeredMaterialPoint layered(float roughness, float coat_roughness)
 {
-    LayeredMaterialPoint m;
-    static_cast<MaterialPoint&>(m) = material(0.5f, roughness);
+    LayeredMaterialPoint m = material(0.5f, roughness);
     LayersPoint& l = m.layers;
     l.features = LayersRecord::with_coat | LayersRecord::with_transmission;
     l.transmission_color = l.diffuse_transmission_color = l.coat_color = Spectrum(Float(1));
@@ -90,7 +89,7 @@ TEST(SeparableShadowing, IsTheFormula)
         EXPECT_NEAR(first(PlasticBsdf(separable(0, roughness)).eval(wo, wi).f_cos.c[0]), f * facets,
                     3e-4 * f * facets + 1e-6);
         LayeredMaterialPoint metal = layered(roughness, 0.5f);
-        static_cast<MaterialPoint&>(metal) = separable(1, roughness, 1);
+        static_cast<PrincipledPoint&>(metal) = separable(1, roughness, 1);
         metal.layers.features = 0, metal.layers.compensation = Float(0);
         EXPECT_NEAR(first(LayeredBsdf<false>(metal).eval(wo, wi).f_cos.c[0]), facets, 3e-4 * facets + 1e-6);
     }
@@ -103,9 +102,10 @@ TEST(SeparableShadowing, OfWhatPassesABoundary)
     for (const bool is_beckmann : {false, true})
         for (const double alpha : {0.1, 0.36, 0.8})
             for (const double degrees : {5.0, 50.0, 75.0}) {
-                MaterialPoint body = separable(0.5f, float(std::sqrt(alpha)), float(-inner));
+                PlasticPoint body = separable(0.5f, float(std::sqrt(alpha)));
+                body.internal_absorption = Float(float(-inner));
                 body.beckmann = Mask(is_beckmann);
-                MaterialPoint none = body;
+                PlasticPoint none = body;
                 none.base_color = Spectrum(Float(0));
                 const Vec3 wo = outgoing(degrees), wi = outgoing(-20);
                 const double found =
@@ -127,7 +127,7 @@ TEST(SeparableShadowing, LosesAndNeverGains)
         for (const double degrees : {5.0, 60.0}) {
             double before = 1.005;
             for (const float roughness : {0.05f, 0.45f, 0.7f, 0.95f}) {
-                MaterialPoint m = separable(1, roughness);
+                CommonPoint m = separable(1, roughness);
                 m.beckmann = Mask(is_beckmann);
                 const double albedo = draw(PlasticBsdf(m), outgoing(degrees), 200000).albedo;
                 EXPECT_LT(albedo, before) << roughness;

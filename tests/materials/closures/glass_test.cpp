@@ -10,7 +10,7 @@ TEST(Glass, SamplingAgreesWithItsDensity)
 {
     for (double degrees : {0.0, 45.0, 75.0})
         for (float roughness : {0.4f, 0.8f}) {
-            MaterialPoint m = material(1, roughness);
+            GlassPoint m = material(1, roughness);
             check_sampling(GlassBsdf(m), degrees, "glass from outside");
             m.entering = Mask(false);
             check_sampling(GlassBsdf(m), degrees, "glass from inside");
@@ -22,7 +22,7 @@ TEST(Glass, SmoothKeepsAllEnergy)
     // Radiance is scaled by 1 / eta^2 on refraction; with that undone every sample has weight 1.
     for (bool entering : {true, false})
         for (double degrees : {0.0, 30.0, 60.0, 85.0}) {
-            MaterialPoint m = material(1, 0);
+            GlassPoint m = material(1, 0);
             m.entering = Mask(entering);
             const GlassBsdf bsdf(m);
             Random random;
@@ -36,7 +36,7 @@ TEST(Glass, SmoothKeepsAllEnergy)
 
 TEST(Glass, ColorIsTransmittanceOfEnteringAndLeaving)
 {
-    MaterialPoint m = material(0.25f, 0);
+    GlassPoint m = material(0.25f, 0);
     for (const bool entering : {true, false}) {
         m.entering = Mask(entering);
         const GlassBsdf bsdf(m);
@@ -52,8 +52,8 @@ TEST(Glass, ColorIsTransmittanceOfEnteringAndLeaving)
 TEST(Glass, TintOfReflections)
 {
     for (const float roughness : {0.f, 0.5f}) {
-        MaterialPoint white = material(1, roughness), tinted = white;
-        tinted.specular_tint = Spectrum(Float(0.25f));
+        GlassPoint white = material(1, roughness), tinted = white;
+        tinted.reflection_color = Spectrum(Float(0.25f));
         for (const float u1 : {0.001f, 0.999f}) {
             const Sample2 u{Float(0.3f), Float(0.6f)};
             const BsdfSample a = GlassBsdf(white).sample(outgoing(40), u, Float(u1)),
@@ -65,9 +65,9 @@ TEST(Glass, TintOfReflections)
     }
 }
 
-MaterialPoint sheet(float color, float roughness)
+GlassPoint sheet(float color, float roughness)
 {
-    MaterialPoint m = material(color, roughness);
+    GlassPoint m = material(color, roughness);
     m.thin = m.sheet = Mask(true);
     return m;
 }
@@ -80,7 +80,7 @@ TEST(ThinGlass, SamplingAgreesWithItsDensity)
 
 TEST(ThinGlass, LetsLightStraightOnFromBothSides)
 {
-    MaterialPoint m = sheet(0.5f, 0);
+    GlassPoint m = sheet(0.5f, 0);
     for (const bool entering : {true, false}) {
         m.entering = Mask(entering);
         const GlassBsdf bsdf(m);
@@ -105,7 +105,7 @@ TEST(ThinGlass, LetsLightStraightOnFromBothSides)
 /// Thin glass as in glTF has one boundary with one reflection and loses what its microfacets lose.
 TEST(ThinGlass, OfOneBoundary)
 {
-    MaterialPoint m = sheet(0.5f, 0);
+    GlassPoint m = sheet(0.5f, 0);
     m.sheet = m.compensated = Mask(false);
     for (const auto& [choice, reflects] : {std::pair{0.04 - 1e-4, true}, {0.04 + 1e-4, false}})
         EXPECT_EQ(first(GlassBsdf(m).sample(outgoing(0), {Float(0.5f), Float(0.5f)}, Float(float(choice))).wi.z) > 0,

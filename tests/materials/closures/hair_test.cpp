@@ -21,9 +21,9 @@ struct Fibre {
     }
     HairBsdf bsdf() const
     {
-        MaterialPoint m =
-            material(float(std::exp(-std::sqrt(sigma) * fit())), float(beta_m), float(beta_n), float(eta), float(tilt));
-        m.across = Float(float(h));
+        HairPoint m = material(float(std::exp(-std::sqrt(sigma) * fit())), 0, 0, float(eta));
+        m.beta_m = Float(float(beta_m)), m.beta_n = Float(float(beta_n));
+        m.scale_tilt = Float(float(tilt)), m.across = Float(float(h));
         return HairBsdf(m);
     }
 };

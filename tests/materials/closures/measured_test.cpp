@@ -53,7 +53,7 @@ struct Surface {
     explicit Surface(MeasuredBrdf b) : brdf(std::move(b))
     {
         const MeasuredRecord r = add_measured(brdf, values);
-        static_cast<MaterialPoint&>(point) = material(0.5f, 0.5f);
+        point = material(0.5f, 0.5f);
         MeasuredPoint& m = point.measured;
         m.values = values.data();
         m.theta = UInt(r.theta), m.theta_count = UInt(r.theta_count);

@@ -8,14 +8,14 @@
 namespace fathom::test {
 namespace {
 
-MaterialPoint plastic(float color, float roughness, float ior = 1.5f, bool compensated = true)
+PlasticPoint plastic(float color, float roughness, float ior = 1.5f, bool compensated = true)
 {
-    MaterialPoint m = material(color, roughness, 0, ior);
+    PlasticPoint m = material(color, roughness, 0, ior);
     m.compensated = Mask(compensated);
     return m;
 }
 
-double albedo(const MaterialPoint& m, double degrees)
+double albedo(const PlasticPoint& m, double degrees)
 {
     return draw(PlasticBsdf(m), outgoing(degrees), 400000).albedo;
 }
@@ -40,10 +40,10 @@ TEST(Plastic, WhiteFurnace)
 /// A tint scales only the boundary's reflection.
 TEST(Plastic, TintOfTheBoundary)
 {
-    MaterialPoint black = plastic(0, 0.4f), white = plastic(1, 0.4f), tinted = white;
-    tinted.specular_tint = Spectrum(Float(0.25f));
+    PlasticPoint black = plastic(0, 0.4f), white = plastic(1, 0.4f), tinted = white;
+    tinted.reflection_color = Spectrum(Float(0.25f));
     const Vec3 wo = outgoing(30), wi = outgoing(-50);
-    const auto value = [&](const MaterialPoint& m) { return double(first(PlasticBsdf(m).eval(wo, wi).f_cos.c[0])); };
+    const auto value = [&](const PlasticPoint& m) { return double(first(PlasticBsdf(m).eval(wo, wi).f_cos.c[0])); };
     EXPECT_NEAR(value(tinted), value(white) - 0.75 * value(black), 1e-6);
     EXPECT_GT(value(black), 0.01);
 }
@@ -85,7 +85,7 @@ TEST(Plastic, SmoothIsTheClosedForm)
             for (double color : {0.0, 0.3, 0.8}) {
                 const double f = fresnel(std::cos(degrees * std::numbers::pi / 180), ior);
                 const double nonlinear = f + (1 - f) * color * (1 - inner) / (1 - color * inner);
-                MaterialPoint m = plastic(float(color), 0, float(ior));
+                PlasticPoint m = plastic(float(color), 0, float(ior));
                 EXPECT_NEAR(albedo(m, degrees), nonlinear, 0.004) << ior << " " << degrees << " " << color;
                 m.nonlinear = Mask(false);
                 EXPECT_NEAR(albedo(m, degrees), f + (1 - f) * color, 0.004) << ior << " " << degrees << " " << color;
@@ -106,8 +106,8 @@ TEST(Plastic, LayersAbsorb)
         inner += 2 * back * std::exp(-2 * thickness / c) * c / steps;
         inner_all += 2 * back * c / steps;
     }
-    MaterialPoint m = plastic(float(color), 0, float(ior));
-    m.fuzz = Float(float(thickness)), m.metallic = Float(float(1 - inner / inner_all));
+    PlasticPoint m = plastic(float(color), 0, float(ior));
+    m.optical_thickness = Float(float(thickness)), m.internal_absorption = Float(float(1 - inner / inner_all));
     for (const double degrees : {0.0, 40.0, 70.0}) {
         const double c = std::cos(degrees * std::numbers::pi / 180), f = fresnel(c, ior);
         const double in = (1 - f) * std::exp(-thickness / std::sqrt(1 - (1 - c * c) / (ior * ior)));
