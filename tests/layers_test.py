@@ -44,7 +44,7 @@ allowed = {
     "film": {"base", "scene"},
     "film/file": {"base", "film", "image"},
     "formats": {"base", "scene", "image"},
-    "presentation": {"scene", "compile", "lights/environment/studio"},
+    "presentation": {"scene", "compile", "lights/compile", "lights/environment/studio"},
     "session": {"compile", "film", "guiding", "kernel"},
 }
 for station in stations:
@@ -57,18 +57,24 @@ only = {
     ("session", "kernel"): {"kernel/kernel.h"},
     ("session", "guiding"): {"guiding/records.h"},
     ("film/file", "image"): {"image/codecs/exr_parts.h"},
+    ("presentation", "lights/compile"): {"lights/compile/kind.h"},
 }
 # Host code may include records, tables and the kernel's interface, but no lane code.
 for station in stations:
     only[station, "kernel"] = {"kernel/kernel.h", "kernel/tables.h", "kernel/camera_record.h"}
     only[station, "materials"] = {"materials/records.h", "materials/closures/measured_tables.h"}
     only[station, "geometry"] = {"geometry/records.h", "geometry/shapes/curve.h"}
-    only[station, "lights"] = {"lights/records.h"}
+    only[station, "lights"] = {"lights/records.h", "lights/kinds/records.h"}
     only[station, "media"] = {"media/records.h"}
 
 
 def layer(name):
-    """Layer of a file or include by the longest prefix; None if no folder of the table contains it."""
+    """Layer of a file or include by the longest prefix; None if no folder of the table contains it.
+
+    The sources of light kinds compile their lights on the host; their headers are lane code.
+    """
+    if re.fullmatch(r"lights/kinds/\w+\.cpp", name):
+        return "lights/compile"
     parts = re.sub(r"\.\w+$", "", name).split("/")
     for n in range(len(parts), 0, -1):
         prefix = "/".join(parts[:n])
