@@ -9,6 +9,7 @@
 #include <variant>
 #include <vector>
 
+#include "fathom/api.h"
 #include "fathom/vector.h"
 
 /// The contents of a scene as plain data, independent of file formats. Importers fill it from files, and programs fill
@@ -465,6 +466,8 @@ enum class LightKind {
     goniometric,  ///< Emits from a point, with an intensity given by an image of all directions or an IES file.
     beam,         ///< Emits parallel light from a flat area.
 };
+/// Name of a kind of light, as in scene files.
+FATHOM_API const char* light_kind_name(LightKind kind);
 
 /// Axis of the image across which an angle of view is measured.
 enum class FovAxis {
