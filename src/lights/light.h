@@ -9,6 +9,7 @@
 #include "lights/kinds/rectangle.h"
 #include "lights/kinds/sphere.h"
 #include "lights/kinds/spot.h"
+#include "lights/kinds/tube.h"
 
 namespace fathom {
 inline namespace FATHOM_LANES {
@@ -45,7 +46,7 @@ struct LightKindList {
 
 /// All light kinds except environments, which are sampled by their images (environment.h).
 using LightKinds = LightKindList<RectangleLight, ParallelogramLight, TriangleLight, DiskLight, SphereLight, PointLight,
-                                 SpotLight, DirectionalLight, PicturedLight, BeamLight>;
+                                 SpotLight, DirectionalLight, PicturedLight, BeamLight, TubeLight>;
 
 /// sample_light for lanes that include lights other than rectangles.
 template <class Light>

@@ -18,6 +18,12 @@ constexpr double pi = std::numbers::pi, degree = pi / 180;
 constexpr LightUnit intensities[] = {{"cd"}, {"lm", 1 / (4 * pi)}, {"W/sr", 1, true}, {"W", 1 / (4 * pi), true}};
 /// The distribution of the image is normalized to the given flux.
 constexpr LightUnit image_intensities[] = {{"cd"}, {"lm", 1, false, true}, {"W/sr", 1, true}, {"W", 1, true, true}};
+constexpr LightUnit radiances[] = {{"nit"},
+                                   {"lm/m2", 1 / pi},
+                                   {"W/m2/sr", 1, true},
+                                   {"W/m2", 1 / pi, true},
+                                   {"lm", 1, false, true},
+                                   {"W", 1, true, true}};
 constexpr LightUnit irradiances[] = {{"lx"}, {"W/m2", 1, true}};
 
 constexpr const char* over_the_sphere = "unit of intensity; lm and W: over the whole sphere";
@@ -61,6 +67,10 @@ constexpr LightKindInfo kinds[] = {
      .unit_meaning = of_irradiance,
      .direction_meaning = travels,
      .up_meaning = "direction of the top of the area"},
+    {.kind = {tube, "tube", "emits diffusely from the side of a cylinder, like a fluorescent tube"},
+     .units = radiances,
+     .unit_meaning = "unit of intensity; lm and W: of the whole tube, whatever its size",
+     .direction_meaning = "direction of the axis"},
 };
 
 const P parameters[] = {
@@ -124,6 +134,18 @@ const P parameters[] = {
      .kinds = kind_bits(beam),
      .member = &Light::round,
      .meaning = "the area is an ellipse instead of a rectangle"},
+    {.key = "length",
+     .kinds = kind_bits(tube),
+     .member = &Light::length,
+     .meaning = "length of the cylinder in meters",
+     .least = 0,
+     .excludes_limits = true},
+    {.key = "radius",
+     .kinds = kind_bits(tube),
+     .member = &Light::radius,
+     .meaning = "radius of the cylinder in meters",
+     .least = 0,
+     .excludes_limits = true},
 };
 
 }  // namespace

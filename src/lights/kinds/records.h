@@ -36,6 +36,7 @@ enum class LightRecordKind : std::uint32_t {
     curve,     ///< a curve segment: its geometry is in the tables of curves
     pictured,  ///< a spot whose intensity is multiplied by an image
     beam,      ///< parallel light from an area
+    tube,      ///< the side of a cylinder
 };
 
 struct LightBall;
@@ -197,6 +198,22 @@ struct BeamLightRecord {
     void set_emission(LightBounds& to, const LightRecord& light, double power) const;
 };
 
+/// Radiance holds the radiance of the outside of a cylinder without ends.
+struct TubeLightRecord {
+    static constexpr LightRecordKind kind = LightRecordKind::tube;
+    float center[3] = {};
+    float half_axis[3] = {};  ///< from the center to an end
+    float radius = 0;
+
+    static bool is_for(const Light&);
+    static std::optional<double> compile(const PlacedLight&, LightRecord&);
+    void set_axes(const Light&, const Transform& render_from_node);
+    static double node_radius(const Light&);
+    void add_places(std::vector<Vec3f>&) const;
+    LightBall ball(const Shutter&) const;
+    void set_emission(LightBounds& to, const LightRecord& light, double power) const;
+};
+
 /// A list of records of kinds.
 template <class... Own>
 struct LightRecordList {
@@ -212,7 +229,7 @@ struct LightRecordList {
 using LightRecords =
     LightRecordList<RectangleLightRecord, ParallelogramLightRecord, TriangleLightRecord, DiskLightRecord,
                     SphereLightRecord, CurveLightRecord, PointLightRecord, SpotLightRecord, PicturedLightRecord,
-                    DirectionalLightRecord, BeamLightRecord>;
+                    DirectionalLightRecord, BeamLightRecord, TubeLightRecord>;
 
 /// Calls f(record) with the record of the light's kind.
 template <class F>
