@@ -44,7 +44,7 @@ allowed = {
     "film": {"base", "scene"},
     "film/file": {"base", "film", "image"},
     "formats": {"base", "scene", "image"},
-    "presentation": {"scene", "compile", "math", "lights/environment/studio"},
+    "presentation": {"scene", "compile", "math", "lights/compile", "lights/environment/studio"},
     "session": {"compile", "film", "guiding", "kernel"},
 }
 for station in stations:
@@ -58,20 +58,26 @@ only = {
     ("session", "guiding"): {"guiding/records.h"},
     ("presentation", "math"): {"math/luminance.h"},
     ("film/file", "image"): {"image/codecs/exr_parts.h"},
+    ("presentation", "lights/compile"): {"lights/compile/kind.h"},
 }
 # Host code may include records, tables and the kernel's interface, but no lane code.
 for station in stations:
     only[station, "kernel"] = {"kernel/kernel.h", "kernel/tables.h", "kernel/camera_record.h"}
     only[station, "materials"] = {"materials/records.h", "materials/closures/measured_tables.h"}
     only[station, "geometry"] = {"geometry/records.h", "geometry/shapes/curve.h"}
-    only[station, "lights"] = {"lights/records.h"}
+    only[station, "lights"] = {"lights/records.h", "lights/kinds/records.h"}
     only[station, "media"] = {"media/records.h"}
 
 
 def layer(name):
-    """Layer of a file or include by the longest prefix; None if no folder of the table contains it."""
-    if name.startswith("materials/closures/") and name.endswith(".cpp"):
-        return "materials/compile"  # the compile step beside a closure's header
+    """Layer of a file or include by the longest prefix; None if no folder of the table contains it.
+
+    The sources of closures and of light kinds compile their records on the host; their headers are lane code.
+    """
+    if re.fullmatch(r"materials/closures/\w+\.cpp", name):
+        return "materials/compile"
+    if re.fullmatch(r"lights/kinds/\w+\.cpp", name):
+        return "lights/compile"
     parts = re.sub(r"\.\w+$", "", name).split("/")
     for n in range(len(parts), 0, -1):
         prefix = "/".join(parts[:n])

@@ -9,6 +9,7 @@
 
 #include "formats/fathom/parameters_json.h"
 #include "scene/conductors.h"
+#include "scene/light_table.h"
 #include "scene/material_table.h"
 #include "scene/texture_table.h"
 
@@ -29,8 +30,9 @@ Json reference(const std::string& name)
 template <class Owner>
 void add_bounds(Json& json, const Parameter<Owner>& p)
 {
-    if (p.least != p.unbounded && p.least != -p.unbounded) json["minimum"] = number(p.least, false);
-    if (p.most != p.unbounded) json["maximum"] = number(p.most, false);
+    if (p.least != p.unbounded && p.least != -p.unbounded)
+        json[p.excludes_limits ? "exclusiveMinimum" : "minimum"] = number(p.least, false);
+    if (p.most != p.unbounded) json[p.excludes_limits ? "exclusiveMaximum" : "maximum"] = number(p.most, false);
 }
 
 /// Schema of a parameter's type, and its default.
@@ -138,6 +140,55 @@ Json kinds(std::span<const KindName<Kind>> names, std::span<const Parameter<Owne
     return {{"oneOf", all}};
 }
 
+/// Keys that several kinds of lights share.
+Json light_properties(const LightKindInfo& info)
+{
+    const auto vector = [](const char* meaning, const Json& value) {
+        Json json = reference("vec3");
+        json["description"] = meaning, json["default"] = value;
+        return json;
+    };
+    Json color = reference("color");
+    color["description"] = "multiplies intensity", color["default"] = 1;
+    Json units = Json::array();
+    for (const LightUnit& unit : info.units) units.push_back(unit.name);
+    Json json = {{"kind", {{"const", info.kind.name}}},
+                 {"name", {{"type", "string"}, {"description", "for messages"}}},
+                 {"color", color},
+                 {"intensity", {{"type", "number"}, {"description", "in unit"}, {"minimum", 0}, {"default", 1}}},
+                 {"unit", {{"description", info.unit_meaning}, {"enum", units}, {"default", units[0]}}}};
+    if (info.has_position) json["position"] = vector("meters", {0, 0, 0});
+    if (info.direction_meaning) json["direction"] = vector(info.direction_meaning, {0, 0, -1});
+    if (info.up_meaning) json["up"] = vector(info.up_meaning, {0, 1, 0});
+    if (!info.image_meaning) return json;
+    json["image"] = {{"type", "string"}, {"description", info.image_meaning}, {"minLength", 1}};
+    json["color_space"] = {{"description", "how 8- and 16-bit values of the image are encoded"},
+                           {"enum", {"srgb", "linear"}},
+                           {"default", "srgb"}};
+    json["lookup"] = {
+        {"description", "lookup between pixels"}, {"enum", {"bilinear", "nearest"}}, {"default", "bilinear"}};
+    return json;
+}
+
+Json lights()
+{
+    Json all = Json::array();
+    for (const LightKindInfo& info : light_kinds()) {
+        Json properties = light_properties(info);
+        for (const Parameter<Light>& p : light_parameters())
+            if (p.is_of(std::uint32_t(info.kind.kind))) properties[p.key] = property(p);
+        properties["comment"] = reference("comment");
+        Json required = {"kind"};
+        if (info.needs_image) required.push_back("image");
+        all.push_back({{"type", "object"},
+                       {"description", info.kind.meaning},
+                       {"properties", properties},
+                       {"required", required},
+                       {"additionalProperties", false}});
+    }
+    return {{"oneOf", all}};
+}
+
 int run(const std::string& file, bool check)
 {
     std::ifstream in(file);
@@ -145,10 +196,12 @@ int run(const std::string& file, bool check)
     Json schema = Json::parse(text);
     schema["$defs"]["texture"] = kinds(texture_kinds(), texture_parameters(), TextureKind::image);
     schema["$defs"]["material"] = kinds(material_kinds(), material_parameters(), MaterialKind::diffuse);
+    schema["$defs"]["light"] = lights();
     const std::string made = json_text(schema);
     if (made == text) return 0;
     if (check) {
-        std::fprintf(stderr, "%s is not what the lists of materials and textures make of it: run scene_schema on it\n",
+        std::fprintf(stderr,
+                     "%s is not what the lists of materials, textures and lights make of it: run scene_schema on it\n",
                      file.c_str());
         return 1;
     }

@@ -21,11 +21,6 @@ namespace {
 
 using nlohmann::ordered_json;
 
-const char* name_of(LightKind kind)
-{
-    constexpr const char* names[] = {"point", "spot", "directional", "projector", "goniometric", "beam"};
-    return names[int(kind)];
-}
 const char* name_of(EnvironmentKind kind)
 {
     constexpr const char* names[] = {"none", "constant", "gradient",   "image",       "studio",
@@ -206,7 +201,7 @@ ordered_json lights_of(const SceneDescription& scene)
     ordered_json result = ordered_json::array();
     for (const Light& light : scene.lights)
         result.push_back(
-            {{"name", light.name}, {"kind", name_of(light.kind)}, {"intensity", to_json(light.intensity)}});
+            {{"name", light.name}, {"kind", light_kind_name(light.kind)}, {"intensity", to_json(light.intensity)}});
     return result;
 }
 

@@ -9,6 +9,7 @@
 #include <variant>
 #include <vector>
 
+#include "fathom/api.h"
 #include "fathom/vector.h"
 
 /// The contents of a scene as plain data, independent of file formats. Importers fill it from files, and programs fill
@@ -464,7 +465,10 @@ enum class LightKind {
     projector,    ///< Projects an image from a point through a frustum.
     goniometric,  ///< Emits from a point, with an intensity given by an image of all directions or an IES file.
     beam,         ///< Emits parallel light from a flat area.
+    tube,         ///< Emits diffusely from the side of a cylinder, like a fluorescent tube.
 };
+/// Name of a kind of light, as in scene files.
+FATHOM_API const char* light_kind_name(LightKind kind);
 
 /// Axis of the image across which an angle of view is measured.
 enum class FovAxis {
@@ -489,13 +493,14 @@ struct LightPicture {
     bool nearest = false;                       ///< Looks up the nearest pixel, not bilinearly.
 };
 
-/// A light without a surface, at the origin of its node. All kinds except point shine along -z of the node. An image
-/// has its right at +x and its top at +y; it is mirrored if the node's transform mirrors.
+/// A light that rays do not hit, at the origin of its node. All kinds except point and tube shine along -z of the node;
+/// a tube lies along z, with its center at the origin. An image has its right at +x and its top at +y; it is mirrored
+/// if the node's transform mirrors.
 struct Light {
     std::string name;                   ///< Name for messages and scene files; may be empty.
     LightKind kind = LightKind::point;  ///< Kind, which decides which members apply.
-    /// Directional and beam: irradiance at perpendicular incidence in lux. Other kinds: radiant intensity in candela,
-    /// multiplied by the image.
+    /// Directional and beam: irradiance at perpendicular incidence in lux. Tube: radiance in nits. Other kinds: radiant
+    /// intensity in candela, multiplied by the image.
     Color intensity{1, 1, 1};
     /// Spot: half angles in radians of the cone of full intensity and of the whole cone.
     double inner_angle = 0, outer_angle = 0.7853981633974483;
@@ -512,11 +517,14 @@ struct Light {
     /// light leaves along the normal of the area.
     double width = 1, height = 1;
     bool round = false;  ///< Beam: the area is an ellipse; otherwise a rectangle.
+    /// Tube: length of the cylinder without its ends, which do not emit, and its radius, in units of the node's space.
+    /// Where the node stretches the cross-section to an ellipse, the radius is that of a circle of the same area.
+    double length = 1, radius = 0.013;
     /// Projector: the image is the illuminance in lux on a screen perpendicular to the axis at a distance of 1 m, not
     /// the intensity.
     bool flat_field = false;
     /// Projector, goniometric: intensity is the flux of all directions together in lumens, whatever the brightness of
-    /// the image.
+    /// the image. Tube: intensity is its flux in lumens, whatever its size.
     bool intensity_is_flux = false;
 };
 

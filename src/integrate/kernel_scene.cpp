@@ -6,6 +6,7 @@
 #include "fathom/description.h"
 #include "integrate/alpha.h"
 #include "integrate/shadow_trial.h"
+#include "lights/kinds/records.h"
 
 namespace fathom {
 inline namespace FATHOM_LANES {
@@ -15,23 +16,12 @@ namespace {
 ShadowTargets shadow_targets(const LightTables& tables)
 {
     ShadowTargets targets;
-    targets.infinite = tables.environment.light != no_index;
-    for (const LightRecord& light : tables.lights) {
-        targets.places.push_back({light.position[0], light.position[1], light.position[2]});
-        if (light.kind == std::uint32_t(LightRecordKind::beam))
-            for (const float i : {-1.f, 1.f})
-                for (const float j : {-1.f, 1.f}) {
-                    const auto corner = [&](int k) {
-                        return light.position[k] + i * light.edge_u[k] + j * light.edge_v[k];
-                    };
-                    targets.places.push_back({corner(0), corner(1), corner(2)});
-                }
-        // Moving lights can be seen from anywhere, so no surface may be left out.
-        targets.infinite |= light.kind == std::uint32_t(LightRecordKind::directional) || light.motion != 0;
-    }
-    // LightRecord::primitive of a pictured light is the index of its image.
-    if (tables.lights.size() == 1 && tables.lights[0].kind != std::uint32_t(LightRecordKind::pictured))
-        targets.only_primitive = tables.lights[0].primitive;
+    // Environments and directional lights follow those with a position.
+    targets.infinite = tables.positioned_lights < tables.lights.size();
+    targets.places = tables.light_places;
+    // Moving lights can be seen from anywhere, so no surface may be left out.
+    for (const LightRecord& light : tables.lights) targets.infinite |= light.motion != 0;
+    if (tables.lights.size() == 1) targets.only_primitive = tables.lights[0].primitive;
     return targets;
 }
 

@@ -9,6 +9,7 @@
 #include "lights/kinds/rectangle.h"
 #include "lights/kinds/sphere.h"
 #include "lights/kinds/spot.h"
+#include "lights/kinds/tube.h"
 
 namespace fathom {
 inline namespace FATHOM_LANES {
@@ -45,7 +46,7 @@ struct LightKindList {
 
 /// All light kinds except environments, which are sampled by their images (environment.h).
 using LightKinds = LightKindList<RectangleLight, ParallelogramLight, TriangleLight, DiskLight, SphereLight, PointLight,
-                                 SpotLight, DirectionalLight, PicturedLight, BeamLight>;
+                                 SpotLight, DirectionalLight, PicturedLight, BeamLight, TubeLight>;
 
 /// sample_light for lanes that include lights other than rectangles.
 template <class Light>
@@ -54,7 +55,7 @@ template <class Light>
     LightPoint s{{Float(0), Float(0), Float(1)}, Float(1), Float(1), Float(1), Float(1), Mask(false)};
     const UInt kind = light.kind();
     LightKinds::for_each([&]<class Kind>() {
-        const Mask mine = is_kind(kind, Kind::kind);
+        const Mask mine = is_kind(kind, Kind::Record::kind);
         if (none(mine)) return;
         const LightPoint point = Kind::sample(light, p, time, random, active & mine);
         s.wi = select(mine, point.wi, s.wi);
@@ -94,7 +95,7 @@ template <class Light>
     Float pdf = by_area;
     LightKinds::for_each([&]<class Kind>() {
         if constexpr (HasAngularDensity<Kind, Light>) {
-            const Mask mine = by_solid_angle & is_kind(light.kind(), Kind::kind);
+            const Mask mine = by_solid_angle & is_kind(light.kind(), Kind::Record::kind);
             if (any(mine)) pdf = select(mine, Kind::pdf(light, p, time, by_area), pdf);
         }
     });
@@ -110,12 +111,12 @@ template <class Light>
                                               Mask active)
 {
     const UInt kind = light.kind();
-    const Float cosine = abs(dot(wi, light.normal()));
-    const Float by_area = distance * distance * reciprocal(max(cosine * light.area(), Float(1e-30f)));
+    const Float cosine = abs(dot(wi, light.get(&FlatLightRecord::normal))), area = light.get(&FlatLightRecord::area);
+    const Float by_area = distance * distance * reciprocal(max(cosine * area, Float(1e-30f)));
     Mask by_solid_angle(false);
     LightKinds::for_each([&]<class Kind>() {
         if constexpr (detail::HasAngularDensity<Kind, Light>)
-            by_solid_angle |= active & is_kind(kind, Kind::kind) & Kind::by_solid_angle(light, p);
+            by_solid_angle |= active & is_kind(kind, Kind::Record::kind) & Kind::by_solid_angle(light, p);
     });
     return any(by_solid_angle) ? detail::pdf_by_solid_angle(light, p, time, by_area, by_solid_angle) : by_area;
 }

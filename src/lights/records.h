@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-/// Lights as the kernel reads them.
+/// Lights as the kernel reads them. The records of the kinds are in lights/kinds/records.h.
 #include <array>
 #include <cstdint>
+#include <cstring>
+#include <type_traits>
 #include <vector>
 
 #include "base/large_memory.h"
@@ -11,22 +13,6 @@
 #include "math/rgb.h"
 
 namespace fathom {
-
-/// Kind of a light; each has a class in kinds/ that samples it.
-enum class LightRecordKind : std::uint32_t {
-    rectangle,
-    parallelogram,
-    triangle,
-    sphere,
-    disk,
-    point,
-    spot,
-    directional,
-    environment,
-    curve,     ///< a curve segment: its geometry is in the tables of curves
-    pictured,  ///< a spot whose intensity is multiplied by an image
-    beam,      ///< parallel light from an area
-};
 
 /// Mapping from the directions of a light to its image.
 enum class LightPictureMap : std::uint32_t {
@@ -47,8 +33,8 @@ struct LightPictureRecord {
 };
 static_assert(sizeof(LightPictureRecord) == 8 * sizeof(float));
 
-/// A light, or an emissive primitive. Lanes read it as an array of 32 floats. Some kinds store other values in members
-/// that they have no use for; the members' comments say which.
+/// A light, or an emissive primitive: members that all kinds have, around the record of its kind. Lanes read it as an
+/// array of 32 words.
 struct LightRecord {
     enum Flags : std::uint32_t {
         two_sided = 1,
@@ -57,30 +43,46 @@ struct LightRecord {
     enum Motion : std::uint32_t {
         vertices_move = 1,  ///< a triangle whose vertices move
         placed = 2,         ///< geometry is in the space of an instance, which moves or whose vertices do
-        has_poses = 4,      ///< point, spot, pictured, beam: `instance` has the format of InstanceRecord::poses
-        flipped = 8,        ///< the normal is opposite to cross(edge_u, edge_v)
+        has_poses = 4,      ///< a light without a surface: `instance` has the format of InstanceRecord::poses, and the
+                            ///< record of its kind is in the space of its node
+        flipped = 8,        ///< a triangle's normal is opposite to cross(edge_u, edge_v)
     };
-    std::uint32_t kind = 0;
-    float pmf = 0;           ///< probability of selection by power
-    float position[3] = {};  ///< corner, center, or position
-    float edge_u[3] = {};    ///< rectangle: unit vector along u; spot, pictured, directional: direction of the light's
-                             ///< travel
-    float edge_v[3] = {};    ///< rectangle: unit vector along v; pictured: towards the image's right
-    float normal[3] = {};    ///< pictured: towards the image's top; beam: direction of the light's travel
-    float length_u = 0, length_v = 0;  ///< spot: length_u is 1 for smoothstep falloff, 0 for squared falloff
-    float area = 0;                    ///< spot with linear falloff: 1 / (outer angle - inner angle)
-    float radius = 0;  ///< rectangle: length of its diagonal; directional: 1 - cos of its half angle; spot with linear
-                       ///< falloff: the outer angle; beam: 1 if it is elliptical; else 0
-    float radiance[channels] = {};  ///< or intensity, or irradiance
-    float outer = 0;                ///< spot, pictured: 1 - cos of the half angle of the outer cone
-    float falloff = 0;              ///< spot, pictured: width of the falloff inside the outer cone, in units of 1 - cos
-    std::uint32_t flags = 0;        ///< some of Flags
-    std::uint32_t material = no_index;    ///< material whose emission texture or alpha scales radiance; no_index: none
-    std::uint32_t primitive = no_index;   ///< pictured: index into LightTables::light_pictures
+    static constexpr std::size_t own_words = 21;  ///< size of the record of a kind
+
+    std::uint32_t kind = 0;               ///< one of LightRecordKind
+    float pmf = 0;                        ///< probability of selection by power
+    std::array<float, own_words> own{};   ///< bits of the record of its kind, such as RectangleLightRecord
+    float radiance[channels] = {};        ///< or intensity, or irradiance: its kind says which
+    std::uint32_t flags = 0;              ///< some of Flags
+    std::uint32_t material = no_index;    ///< material whose emission texture or alpha scales radiance, or no_index
+    std::uint32_t primitive = no_index;   ///< primitive that emits, or no_index
     std::uint32_t instance = no_index;    ///< instance of the primitive, or no_index; with has_poses: its poses
-    float motion_or_center[3] = {};       ///< sphere: velocity; rectangle: center
     std::uint32_t tree_place = no_index;  ///< position in the light tree: node * LightNode::width + slot
     std::uint32_t motion = 0;             ///< some of Motion; 0: static, or a sphere in linear motion
+
+    /// Sets the kind and the record of the kind.
+    template <class Own>
+    void set(const Own& record)
+    {
+        static_assert(std::is_trivially_copyable_v<Own> && sizeof(Own) <= sizeof(own));
+        kind = std::uint32_t(Own::kind);
+        own = {};
+        // The byte of an empty record has no value.
+        if constexpr (!std::is_empty_v<Own>) std::memcpy(own.data(), &record, sizeof record);
+    }
+    /// The record of the kind, which must be the light's.
+    template <class Own>
+    Own get() const
+    {
+        Own record;
+        std::memcpy(&record, own.data(), sizeof record);
+        return record;
+    }
+    template <class Own>
+    bool is() const
+    {
+        return kind == std::uint32_t(Own::kind);
+    }
 };
 static_assert(sizeof(LightRecord) == 32 * sizeof(float));
 
@@ -129,6 +131,8 @@ struct LightTables {
     std::uint32_t positioned_lights = 0;  ///< number of lights with a position, which come first: all but directional
                                           ///< lights and the environment
     EnvironmentRecord environment;
+    /// Points whose convex hull contains all static lights that are neither primitives nor infinitely far away.
+    std::vector<Vec3f> light_places;
     std::vector<LightPictureRecord> light_pictures;
     LargeVector<float> picture_texels;  ///< images of lights: four floats per texel, linear, not negative
 };

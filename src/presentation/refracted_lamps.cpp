@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "compile/scene_data.h"
+#include "lights/compile/kind.h"
 
 namespace fathom {
 
@@ -23,11 +24,6 @@ struct LampView {
     double cos_cone = -1;  ///< directions farther from the axis get no light; -1: emits in all directions
 };
 
-Vec3d vector_of(const float* v)
-{
-    return {double(v[0]), double(v[1]), double(v[2])};
-}
-
 Camera looking_along(Vec3d position, Vec3d direction)
 {
     Camera camera;
@@ -41,58 +37,53 @@ class LampViews {
 public:
     LampViews(const SceneTables& tables, const std::function<Bounds()>& bounds) : t_(tables), bounds_(bounds) {}
 
-    /// The view of a light without area; nothing for other lights.
+    /// The view of a light that rays cannot hit; nothing for other lights.
     std::optional<LampView> of(const LightRecord& light)
     {
-        switch (LightRecordKind(light.kind)) {
-            case LightRecordKind::point:
-                return all_around(light);
-            case LightRecordKind::spot:
-            case LightRecordKind::pictured:
-                return cone(light);
-            case LightRecordKind::beam:
-                return beam(light);
-            case LightRecordKind::directional:
-                if (light.radius > 0) return {};
-                return direction(light);
-            default:
-                return {};
-        }
+        if (light.primitive != no_index || LightRecordKind(light.kind) == LightRecordKind::environment) return {};
+        if (light.is<SpotLightRecord>()) return cone(light.get<SpotLightRecord>());
+        if (light.is<PicturedLightRecord>()) return cone(light.get<PicturedLightRecord>().spot);
+        if (light.is<BeamLightRecord>()) return beam(light.get<BeamLightRecord>());
+        if (light.is<DirectionalLightRecord>()) return direction(light.get<DirectionalLightRecord>());
+        LightBall ball;
+        visit_light(light, [&](const auto& own) { ball = own.ball({}); });
+        return all_around(ball.center);
     }
 
 private:
-    Vec3d world(const float* p) const { return vector_of(p) * (1 / t_.render_scale) + t_.origin; }
+    Vec3d world(const Vec3d& p) const { return p * (1 / t_.render_scale) + t_.origin; }
 
-    LampView all_around(const LightRecord& light) const
+    LampView all_around(const Vec3d& center) const
     {
-        LampView view{looking_along(world(light.position), {0, 0, -1}), {0, 0, -1}};
+        LampView view{looking_along(world(center), {0, 0, -1}), {0, 0, -1}};
         view.camera.kind = CameraKind::equal_area;
         return view;
     }
-    LampView cone(const LightRecord& light) const
+    LampView cone(const SpotLightRecord& light) const
     {
-        const Vec3d axis = normalize(vector_of(light.edge_u));
+        const Vec3d axis = normalize(to_vector(light.axis));
         const double cos_cone = 1 - double(light.outer), angle = std::acos(std::clamp(cos_cone, -1.0, 1.0));
-        LampView view{looking_along(world(light.position), axis), axis, cos_cone};
+        LampView view{looking_along(world(to_vector(light.position)), axis), axis, cos_cone};
         if (angle > 1.2)
             view.camera.kind = CameraKind::equal_area;
         else
             view.camera.fov_y = std::max(2 * angle, 1e-4);
         return view;
     }
-    LampView beam(const LightRecord& light) const
+    LampView beam(const BeamLightRecord& light) const
     {
-        const Vec3d axis = normalize(vector_of(light.normal));
-        LampView view{looking_along(world(light.position), axis), axis};
+        const Vec3d axis = normalize(to_vector(light.axis));
+        LampView view{looking_along(world(to_vector(light.center)), axis), axis};
         view.camera.kind = CameraKind::orthographic;
-        const double reach = std::max(length(vector_of(light.edge_u)), length(vector_of(light.edge_v)));
+        const double reach = std::max(length(to_vector(light.half_u)), length(to_vector(light.half_v)));
         view.camera.height = 2 * reach / t_.render_scale;
         return view;
     }
-    LampView direction(const LightRecord& light)
+    std::optional<LampView> direction(const DirectionalLightRecord& light)
     {
+        if (light.one_minus_cos > 0) return {};
         const Bounds all = bounds_();
-        const Vec3d axis = normalize(vector_of(light.edge_u)), middle = (all.min + all.max) * 0.5;
+        const Vec3d axis = normalize(to_vector(light.axis)), middle = (all.min + all.max) * 0.5;
         const double radius = std::max(length(all.max - all.min) / 2, 1e-6);
         LampView view{looking_along(middle - axis * (2 * radius), axis), axis};
         view.camera.kind = CameraKind::orthographic;
@@ -150,7 +141,7 @@ Seen look_from(const Scene& scene, const LampView& view, const std::vector<bool>
     Seen seen;
     for (std::size_t i = 0; i < depths.size(); ++i) {
         if (!std::isfinite(depths[i])) continue;
-        const Vec3d to = vector_of(&places[3 * i]) - view.camera.position;
+        const Vec3d to = to_vector(&places[3 * i]) - view.camera.position;
         if (view.cos_cone > -1 && dot(to, view.axis) < view.cos_cone * length(to)) continue;
         ++seen.all;
         const std::size_t material = std::size_t(materials[i]);

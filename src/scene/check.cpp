@@ -9,6 +9,7 @@
 
 #include "fathom/error.h"
 #include "fathom/memory.h"
+#include "scene/light_table.h"
 #include "scene/material_table.h"
 #include "scene/measured.h"
 #include "scene/texture_table.h"
@@ -98,13 +99,16 @@ private:
         const std::string place = element("lights", i);
         check_brightness(light.intensity, place);
         index(light.picture.image, scene_.images.size(), place + ".picture.image", "image");
-        if (light.kind == LightKind::goniometric && light.picture.image < 0)
-            fail(place, "a goniometric light needs an image or an IES file");
+        if (info_of(light.kind).needs_image && light.picture.image < 0)
+            fail(place, fmt::format("a {} light needs an image or an IES file", info_of(light.kind).kind.name));
         if (light.kind == LightKind::projector && !(light.fov > 0 && light.fov < std::numbers::pi))
             fail(place + ".fov", "must be above 0 and below 180 degrees");
-        if (light.kind == LightKind::beam &&
-            !(light.width > 0 && light.height > 0 && std::isfinite(light.width) && std::isfinite(light.height)))
-            fail(place, "a beam needs a width and a height above 0");
+        for (const Parameter<Light>& p : light_parameters()) {
+            const auto* const number = std::get_if<double Light::*>(&p.member);
+            if (!number || p.unit != 1 || !p.is_of(std::uint32_t(light.kind))) continue;
+            if (!p.allows(light.*(*number)) || !std::isfinite(light.*(*number)))
+                fail(place + '.' + p.key, fmt::format("must be above {:g}", p.least));
+        }
     }
 
     [[noreturn]] void fail(const std::string& place, const std::string& message) const

@@ -7,7 +7,6 @@
 namespace fathom::words {
 
 inline constexpr const char* camera_kinds[] = {"perspective", "orthographic", "spherical", "equal-area"};
-inline constexpr const char* light_kinds[] = {"point", "spot", "directional", "projector", "goniometric", "beam"};
 inline constexpr const char* spot_falloffs[] = {"square", "smooth", "linear"};
 inline constexpr const char* fov_axes[] = {"smaller", "larger", "width", "height", "diagonal"};
 inline constexpr const char* color_spaces[] = {"srgb", "linear"};

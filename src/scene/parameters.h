@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-/// Tables of the parameters of materials and textures. Reading, checking and writing of files, their schema, appending
-/// of scenes and compiling are derived from these tables (material_table.h, texture_table.h).
+/// Tables of the parameters of materials, textures and lights. Reading, checking and writing of files, their schema,
+/// appending of scenes and compiling are derived from these tables (material_table.h, texture_table.h).
 #include <algorithm>
 #include <cstdint>
 #include <limits>
@@ -38,14 +38,15 @@ struct MeasuredReference {
     bool operator==(const MeasuredReference&) const = default;
 };
 
-/// A parameter of materials or textures (Owner) that some of their kinds have.
+/// A parameter of materials, textures or lights (Owner) that some of their kinds have.
 template <class Owner>
 struct Parameter {
-    using Member = std::variant<ColorInput Owner::*, FloatInput Owner::*, Color Owner::*, float Owner::*,
-                                double Owner::*, int Owner::*, bool Owner::*, Vec2f Owner::*, Vec3d Owner::*,
-                                Transform Owner::*, AlphaMode Owner::*, Wrap Owner::*, ColorSpace Owner::*,
-                                TextureMapping Owner::*, std::vector<RampStop> Owner::*, TextureReference<Owner>,
-                                ImageReference<Owner>, MaterialReference<Owner>, MeasuredReference<Owner>>;
+    using Member =
+        std::variant<ColorInput Owner::*, FloatInput Owner::*, Color Owner::*, float Owner::*, double Owner::*,
+                     int Owner::*, bool Owner::*, Vec2f Owner::*, Vec3d Owner::*, Transform Owner::*,
+                     AlphaMode Owner::*, Wrap Owner::*, ColorSpace Owner::*, TextureMapping Owner::*,
+                     SpotFalloff Owner::*, FovAxis Owner::*, std::vector<RampStop> Owner::*, TextureReference<Owner>,
+                     ImageReference<Owner>, MaterialReference<Owner>, MeasuredReference<Owner>>;
     static constexpr double unbounded = std::numeric_limits<double>::infinity();
 
     const char* key;      ///< key in scene files
@@ -57,11 +58,18 @@ struct Parameter {
     std::span<const char* const> words = {};        ///< names of enumerators or choices in scene files, in order
     const char* excess = nullptr;                   ///< why a value above `most` is wrong, for the message
     bool required = false, default_by_use = false;  ///< default_by_use: the default depends on where it is used
+    bool excludes_limits = false;                   ///< `least` and `most` themselves are not allowed
 
     bool is_of(std::uint32_t kind) const { return kinds >> kind & 1; }
+    /// Whether a number of the file is in range. Angles that were converted from floats may exceed it by rounding.
+    bool allows(double value) const
+    {
+        if (excludes_limits) return value > least && value < most;
+        return value >= least && value <= (unit == 1 ? most : most * (1 + 1e-6));
+    }
 };
 
-/// A kind of material or texture with its name in scene files.
+/// A kind of material, texture or light with its name in scene files.
 template <class Kind>
 struct KindName {
     Kind kind;

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "fathom/scene_digest.h"
+#include "scene/light_table.h"
 #include "scene/material_table.h"
 #include "scene/texture_table.h"
 
@@ -180,16 +181,11 @@ std::string scene_digest(const SceneDescription& scene)
     }
     for (const Light& light : scene.lights) {
         if (text.is_full()) break;
-        text.begin("light", light.name);
-        text.value("kind", words.of(light.kind));
-        text.value("intensity", words.of(light.intensity));
-        text.value("angles",
-                   fmt::format("{} {} {} {}", light.inner_angle, light.outer_angle, light.angle, int(light.falloff)));
-        if (light.picture.image < 0 && light.kind != LightKind::projector) continue;
+        add(text, "light", light, light_parameters(), words);
+        text.value("intensity", words.of(light.intensity) + words.of(light.intensity_is_flux));
+        if (light.picture.image < 0) continue;
         text.value("picture", words.image(light.picture.image) +
                                   fmt::format(" {} {}", int(light.picture.color_space), light.picture.nearest));
-        text.value("frustum", fmt::format("{} {} {} {}", light.fov, int(light.fov_axis), light.flat_field,
-                                          light.intensity_is_flux));
     }
     for (const Material& material : scene.materials) add(text, "material", material, material_parameters(), words);
     for (const Texture& texture : scene.textures) add(text, "texture", texture, texture_parameters(), words);

@@ -382,6 +382,21 @@ def beams():
                 "oval": {"kind": "beam", "width": 0.7, "height": 0.3, "round": True, "color": [0.3, 0.5, 1], "intensity": 4}})
 
 
+def tubes():
+    """Tubes near a floor and a ball, in fog, and in static, stretching and moving nodes."""
+    write("tubes", environment=None, camera={**CAMERA, "shutter": [0, 1]}, scene=[
+        FLOOR, {**BALL, "material": {"color": 0.7}},
+        {"sphere": {"center": [1.1, 0.6, 0.3], "radius": 0.5},
+         "material": {"kind": "glass", "ior": 1, "attenuation_distance": 1, "attenuation_color": 0.3, "transmission_scatter": [0.9, 1, 1.1]}},
+        {"light": "ceiling"}, {"light": "thick", "transform": [{"scale": [1, 1.4, 1.2]}, {"translate": [-1.3, 0.5, 0.5]}]},
+        {"light": "rod", "motion": [{"time": 0, "transform": {"translate": [0.3, 0.1, 1.2]}},
+                                    {"time": 1, "transform": [{"scale": [1, 1, 2]}, {"rotate": {"axis": [0, 1, 0], "angle_deg": 50}},
+                                                              {"translate": [0.6, 0.3, 1.2]}]}]}],
+        lights={"ceiling": {"kind": "tube", "position": [0, 2.2, 0], "direction": [1, 0, 0.2], "length": 1.5, "intensity": 60, "unit": "lm"},
+                "thick": {"kind": "tube", "direction": [0, 1, 0.2], "length": 0.4, "radius": 0.15, "color": [0.3, 0.5, 1], "intensity": 2},
+                "rod": {"kind": "tube", "length": 0.3, "radius": 0.02, "color": [1, 0.4, 0.2], "intensity": 8}})
+
+
 def emissive_curves():
     """Emissive curves, round and ribbons, linear and cubic, in world space, instanced twice, and in a moving node."""
     points = lambda z: [[round(0.9 * math.sin(1.3 * i), 4), 1.2 + 0.2 * i, z + round(0.3 * math.cos(1.3 * i), 4), 0.02 + 0.01 * (i % 3)]
@@ -510,6 +525,7 @@ def lights():
     moving_lamps()
     image_lights()
     beams()
+    tubes()
     emissive_curves()
     hair()
     measured()

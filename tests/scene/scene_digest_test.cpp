@@ -12,6 +12,7 @@ SceneDescription made_scene()
     for (const char* name : {"wall", "floor"}) scene.materials.emplace_back().name = name;
     scene.textures.emplace_back().name = "tiles";
     scene.lights.emplace_back().name = "lamp";
+    scene.lights[0].kind = LightKind::directional;
     return scene;
 }
 
@@ -28,7 +29,7 @@ TEST(SceneDigest, NamesTheDifferences)
     EXPECT_EQ(difference(now), "material 'wall': color");
     now.lights[0].intensity.g = 3;
     now.lights[0].angle = 1;
-    EXPECT_EQ(difference(now), "light 'lamp': angles, intensity; material 'wall': color");
+    EXPECT_EQ(difference(now), "light 'lamp': angle_deg, intensity; material 'wall': color");
     now = made_scene();
     now.materials[1].base_color.texture = 0;
     EXPECT_EQ(difference(now), "material 'floor': color");

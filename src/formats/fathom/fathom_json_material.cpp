@@ -40,9 +40,11 @@ template <class P>
 double read_number(const JsonValue& v, const P& p)
 {
     const double value = v.number();
-    if (p.most == P::unbounded && p.least == 0 && value < 0) v.fail("must not be negative");
-    check_range(v, value, p.least, p.most);
-    return value * p.unit;
+    if (p.allows(value)) return value * p.unit;
+    if (p.excludes_limits && p.most == P::unbounded) v.fail(fmt::format("must be above {}", p.least));
+    if (p.excludes_limits) v.fail(fmt::format("must be above {} and below {}", p.least, p.most));
+    if (p.most == P::unbounded && p.least == 0) v.fail("must not be negative");
+    v.fail(fmt::format("must be between {} and {}, found {}", p.least, p.most, value));
 }
 
 /// Index of a word in the parameter's list.
@@ -193,6 +195,8 @@ void FathomJsonReader::read_value(const JsonValue& v, const Parameter<Owner>& p,
         out = T(read_number(v, p));
     }
 }
+template void FathomJsonReader::read_parameters<Light>(JsonObject&, std::span<const Parameter<Light>>, std::uint32_t,
+                                                       std::optional<Use>, Light&);
 
 std::vector<RampStop> FathomJsonReader::read_stops(const JsonValue& v)
 {

@@ -16,6 +16,8 @@
 
 namespace fathom {
 
+struct LightKindInfo;
+
 /// Reads {"axis": [x, y, z], "angle_deg": a} as a right-handed rotation.
 Transform read_rotation(const JsonValue& v);
 
@@ -97,7 +99,7 @@ private:
     static void read_conductor(JsonObject& o, Material& material);
 
     // fathom_json_light.cpp
-    bool read_picture(JsonObject& o, Light& light);
+    bool read_picture(JsonObject& o, const LightKindInfo& info, Light& light);
     Placed add_light(const JsonValue& v, const std::string& name);
     void read_light(const JsonValue& v, Node& node);
 

@@ -8,6 +8,7 @@
 
 #include "formats/io/read_file.h"
 #include "scene/enum_names.h"
+#include "scene/light_table.h"
 #include "scene/material_table.h"
 #include "scene/texture_table.h"
 
@@ -63,7 +64,8 @@ private:
         if constexpr (std::is_same_v<T, bool> || std::is_enum_v<T>) {
             return p.words.empty() ? Json(bool(v)) : Json(p.words[std::size_t(v)]);
         } else {
-            return number_json(T(inside(p, double(v) / p.unit) * p.unit), p.unit);
+            const double value = double(v) / p.unit, limited = inside(p, value);
+            return number_json(limited == value ? v : T(limited * p.unit), p.unit);
         }
     }
     Json value(const P& p, int v) const { return int(inside(p, v)); }
@@ -106,7 +108,7 @@ private:
     /// The value clamped to the range that files allow, with a warning if it changes.
     double inside(const P& p, double v) const
     {
-        const double limited = std::clamp(v, p.least, p.most);
+        const double limited = p.allows(v) ? v : std::clamp(v, p.least, p.most);
         if (limited != v)
             names_.warnings.add(fmt::format("{}: {}: {} of '{}' becomes {}, because files allow {} to {}", names_.file,
                                             p.key, v, printable(owner_.name), limited, p.least, p.most));
@@ -169,6 +171,11 @@ Json material_json(const Material& material, const ParameterNames& names)
     // Without alpha, the mode `opaque` is the default.
     if (!json.contains("alpha") && material.alpha_mode == AlphaMode::opaque) json.erase("alpha_mode");
     return json;
+}
+
+void add_light_parameters(const Light& light, const ParameterNames& names, Json& to)
+{
+    ParameterWriter<Light>(light, names).write(light_parameters(), std::uint32_t(light.kind), to);
 }
 
 Json texture_json(const Texture& texture, const ParameterNames& names)

@@ -26,6 +26,8 @@ Json matrix_json(const Transform& t);
 Json transform_json(const Transform& t);
 /// The parameters that differ from their defaults.
 Json material_json(const Material& material, const ParameterNames& names);
+/// Adds the parameters of the light's kind that differ from their defaults.
+void add_light_parameters(const Light& light, const ParameterNames& names, Json& to);
 /// The parameters that differ from their defaults.
 Json texture_json(const Texture& texture, const ParameterNames& names);
 

@@ -14,6 +14,7 @@
 #include "formats/io/read_file.h"
 #include "formats/ply/ply_writer.h"
 #include "scene/enum_names.h"
+#include "scene/light_table.h"
 
 namespace fathom {
 
@@ -64,16 +65,15 @@ public:
 
     Json write()
     {
-        const ParameterNames names{file_, textures_, images_, materials_, measured_, warnings_};
         Json json = {{"fathom", 1}};
         put_unless_default(json, "render", render_json(), Json::object());
         add(json, "cameras", scene_.cameras, cameras_, &SceneWriter::camera_json);
         put_unless_default(json, "environment", environment_json(), Json::object());
         add(json, "lights", scene_.lights, lights_, &SceneWriter::light_json);
         for (std::size_t i = 0; i < textures_.size(); ++i)
-            json["textures"][textures_[i]] = texture_json(scene_.textures[i], names);
+            json["textures"][textures_[i]] = texture_json(scene_.textures[i], names());
         for (std::size_t i = 0; i < materials_.size(); ++i)
-            json["materials"][materials_[i]] = material_json(scene_.materials[i], names);
+            json["materials"][materials_[i]] = material_json(scene_.materials[i], names());
         add(json, "meshes", scene_.meshes, meshes_, &SceneWriter::mesh_json);
         add(json, "curves", scene_.curves, curves_, &SceneWriter::curves_json);
         add(json, "points", scene_.points, points_, &SceneWriter::points_json);
@@ -238,41 +238,23 @@ private:
         return json;
     }
 
+    ParameterNames names() { return {file_, textures_, images_, materials_, measured_, warnings_}; }
+
     Json light_json(const Light& light, std::size_t i)
     {
         if (!has_light_[i]) {
             warn("lights that no node uses are not written");
             return {};
         }
-        const Light usual;
-        Json json = {{"kind", words::light_kinds[int(light.kind)]}};
+        const LightKindInfo& info = info_of(light.kind);
+        Json json = {{"kind", info.kind.name}};
         put_unless_default(json, "name", light.name, lights_[i]);
         put_unless_default(json, "color", color_json(light.intensity), 1);
-        const auto put_angle = [&](const char* key, double angle, double usual_angle) {
-            if (angle != usual_angle) json[key] = number_json(angle, radians_per_degree);
-        };
-        if (light.kind == LightKind::directional) put_angle("angle_deg", light.angle, usual.angle);
-        if (light.kind == LightKind::spot) {
-            put_angle("inner_angle_deg", light.inner_angle, usual.inner_angle);
-            put_angle("outer_angle_deg", light.outer_angle, usual.outer_angle);
-            put_unless_default(json, "falloff", words::spot_falloffs[int(light.falloff)],
-                               words::spot_falloffs[int(usual.falloff)]);
-        }
-        if (light.kind == LightKind::projector) {
-            put_angle("fov_deg", light.fov, usual.fov);
-            put_unless_default(json, "fov_axis", words::fov_axes[int(light.fov_axis)],
-                               words::fov_axes[int(usual.fov_axis)]);
-            put_unless_default(json, "flat_field", light.flat_field, false);
-        }
-        if (light.kind == LightKind::beam) {
-            put_unless_default(json, "width", number_json(light.width), number_json(usual.width));
-            put_unless_default(json, "height", number_json(light.height), number_json(usual.height));
-            put_unless_default(json, "round", light.round, false);
-        }
-        const bool may_be_flux = light.kind == LightKind::projector || light.kind == LightKind::goniometric;
-        if (may_be_flux && light.intensity_is_flux) json["unit"] = "lm";
+        add_light_parameters(light, names(), json);
+        for (const LightUnit& unit : info.units)
+            if (unit.is_flux && !unit.is_radiometric && light.intensity_is_flux) json["unit"] = unit.name;
         const LightPicture& picture = light.picture;
-        if (picture.image < 0 || !(may_be_flux || light.kind == LightKind::spot)) return json;
+        if (picture.image < 0 || !info.image_meaning) return json;
         json["image"] = images_[std::size_t(picture.image)];
         if (picture.color_space != ColorSpace::srgb)
             json["color_space"] = words::color_spaces[int(picture.color_space)];

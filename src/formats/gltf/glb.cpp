@@ -109,8 +109,8 @@ private:
             warn("motion blur of nodes is not written: glTF has none; they keep their first transform");
         const Transform& place = n.motion.empty() ? n.parent_from_node : n.motion.front().parent_from_node;
         if (place.m != Transform().m) node["matrix"] = matrix_json(place);
-        if (n.light >= 0 && scene_.lights[std::size_t(n.light)].kind == LightKind::beam)
-            warn("beam lights are not written: glTF has no parallel light of limited width");
+        if (n.light >= 0 && !gltf_type(kind_of(n.light)))
+            warn(fmt::format("lights of kind '{}' are not written: glTF has none", light_kind_name(kind_of(n.light))));
         else if (n.light >= 0)
             node["extensions"]["KHR_lights_punctual"]["light"] = light(n.light);
         Json children = Json::array();
@@ -270,13 +270,30 @@ private:
         return json;
     }
 
+    LightKind kind_of(int light) const { return scene_.lights[std::size_t(light)].kind; }
+    /// Type in KHR_lights_punctual; nullptr: none is similar.
+    static const char* gltf_type(LightKind kind)
+    {
+        switch (kind) {
+            case LightKind::point:
+            case LightKind::goniometric:
+                return "point";
+            case LightKind::spot:
+            case LightKind::projector:
+                return "spot";
+            case LightKind::directional:
+                return "directional";
+            default:
+                return nullptr;
+        }
+    }
+
     int light(int index)
     {
         const auto [found, is_new] = light_indices_.try_emplace(index, int(lights_.size()));
         if (!is_new) return found->second;
         const Light& l = scene_.lights[std::size_t(index)];
-        constexpr const char* types[] = {"point", "spot", "directional", "spot", "point"};
-        Json json = {{"type", types[int(l.kind)]}};
+        Json json = {{"type", gltf_type(l.kind)}};
         if (l.picture.image >= 0 || l.kind == LightKind::projector)
             warn("light images are not written: projectors become spot lights, goniometric lights become point lights");
         if (!l.name.empty()) json["name"] = l.name;

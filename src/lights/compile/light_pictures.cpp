@@ -191,12 +191,6 @@ Sums describe_angles(const LightImages::Image& image, const Texels& texels, Ligh
 
 }  // namespace
 
-bool is_pictured(const Light& light)
-{
-    return light.kind == LightKind::projector || light.kind == LightKind::goniometric ||
-           (light.kind == LightKind::spot && light.picture.image >= 0);
-}
-
 bool is_profile(const SceneDescription& scene, int image)
 {
     return image >= 0 && is_ies_name(scene.images[std::size_t(image)].name);

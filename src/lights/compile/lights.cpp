@@ -7,6 +7,7 @@
 #include "geometry/compile/instancing.h"
 #include "geometry/compile/poses.h"
 #include "geometry/shapes/curve.h"
+#include "lights/compile/kind.h"
 #include "lights/compile/motion_bounds.h"
 #include "lights/sky/sky.h"
 #include "lights/tree/build_tree.h"
@@ -17,20 +18,6 @@ namespace fathom {
 
 namespace {
 
-/// 1 - cos without cancellation for small angles.
-double one_minus_cos(double angle)
-{
-    const double s = std::sin(angle / 2);
-    return 2 * s * s;
-}
-/// Narrower disks of directions are delta lights: float directions are too coarse for them.
-constexpr double min_angle = 1e-6;
-
-void store(float* to, Vec3d v)
-{
-    to[0] = float(v.x), to[1] = float(v.y), to[2] = float(v.z);
-}
-
 class LightCompiler {
 public:
     explicit LightCompiler(Compiler& c) : c_(c), t_(c.tables), scene_radius_(c.space.radius)
@@ -38,6 +25,7 @@ public:
         t_.lights.clear();
         t_.light_cdf.clear();
         t_.light_pictures.clear();
+        t_.light_places.clear();
     }
 
     void run(const FlattenedScene& all)
@@ -118,11 +106,11 @@ private:
             std::copy(material.emission.begin(), material.emission.end(), light.radiance);
             // Power of a light. Textured emission counts as its factor times the area; curves emit from their outside
             // only.
-            const bool is_curve = light.kind == std::uint32_t(LightRecordKind::curve);
+            const bool is_curve = light.is<CurveLightRecord>();
             const bool moves = path || shape.moving_vertices > 0;
             const double area = is_curve ? add_curve_extent(p, shape, to_render, path)
                                 : moves  ? set_motion(light, {p, shape.moving_vertices, flipped, to_render, path})
-                                         : double(light.area);
+                                         : area_of(light);
             const int sides = light.flags & LightRecord::two_sided && !is_curve ? 2 : 1;
             add(light, luminance(light.radiance) * area * std::numbers::pi * sides);
         }
@@ -186,12 +174,12 @@ private:
     {
         if (light.instance != no_index) light.motion |= LightRecord::placed;
         // The stretch of an instance may shear the rectangle.
-        if (m.path && !m.path->keeps_shape() && light.kind == std::uint32_t(LightRecordKind::rectangle))
-            to_parallelogram(light);
+        if (m.path && !m.path->keeps_shape() && light.is<RectangleLightRecord>()) to_parallelogram(light);
         LightExtent extent{std::uint32_t(t_.lights.size()), {}, 0, {}};
-        Ball ball = own_ball(light);
-        double area = double(light.area);
-        NormalCone normals{{double(light.normal[0]), double(light.normal[1]), double(light.normal[2])}, 1};
+        LightBall ball = own_ball(light);
+        double area = area_of(light);
+        const bool is_flat = !light.is<SphereLightRecord>();
+        NormalCone normals{is_flat ? to_vector(light.get<FlatLightRecord>().normal) : Vec3d{}, 1};
         if (m.vertices > 0) {
             light.motion |= LightRecord::vertices_move;
             // Normals of instanced lights are transformed by the instance's map, which handles flipped ones.
@@ -209,45 +197,39 @@ private:
         return area;
     }
 
-    struct Ball {
-        Vec3d center;
-        double radius;
-    };
-    /// Bounding ball of a light of a moving instance in the instance's space, including a sphere's own motion.
-    Ball own_ball(const LightRecord& l) const
+    /// Area of a primitive's light other than a curve.
+    static double area_of(const LightRecord& light)
     {
-        const auto vector = [](const float* v) { return Vec3d{double(v[0]), double(v[1]), double(v[2])}; };
-        const Vec3d p = vector(l.position), u = vector(l.edge_u), v = vector(l.edge_v);
-        switch (LightRecordKind(l.kind)) {
-            case LightRecordKind::rectangle: {
-                const Vec3d a = u * double(l.length_u), b = v * double(l.length_v);
-                return {p + (a + b) * 0.5, length(a + b) / 2};
-            }
-            case LightRecordKind::parallelogram:
-                return {p + (u + v) * 0.5, std::max(length(u + v), length(u - v)) / 2};
-            case LightRecordKind::triangle: {
-                const Vec3d c = p + (u + v) * (1.0 / 3);
-                return {c, std::max({length(p - c), length(p + u - c), length(p + v - c)})};
-            }
-            case LightRecordKind::sphere: {
-                const Vec3d motion = vector(l.motion_or_center);
-                const double open = double(t_.shutter_open), close = double(t_.shutter_close);
-                return {p + motion * ((open + close) / 2),
-                        std::abs(double(l.radius)) + length(motion) * (close - open) / 2};
-            }
-            default:
-                return {p, double(l.radius)};
-        }
+        return double(light.is<SphereLightRecord>() ? light.get<SphereLightRecord>().area
+                                                    : light.get<FlatLightRecord>().area);
     }
-    static void to_parallelogram(LightRecord& l)
+    /// Bounding ball of a light of a moving instance in the instance's space, including a sphere's own motion.
+    LightBall own_ball(const LightRecord& light) const
     {
-        l.kind = std::uint32_t(LightRecordKind::parallelogram);
-        for (int i = 0; i < 3; ++i) l.edge_u[i] *= l.length_u, l.edge_v[i] *= l.length_v;
+        const Shutter shutter{double(t_.shutter_open), double(t_.shutter_close)};
+        LightBall ball;
+        visit_light(light, [&](const auto& own) { ball = own.ball(shutter); });
+        if (!light.is<TriangleLightRecord>()) return ball;
+        // Around the centroid, as bound_moving_triangle() bounds triangles whose vertices move.
+        const auto triangle = light.get<TriangleLightRecord>();
+        const Vec3d p = to_vector(triangle.corner), u = to_vector(triangle.edge_u), v = to_vector(triangle.edge_v);
+        const Vec3d c = p + (u + v) * (1.0 / 3);
+        return {c, std::max({length(p - c), length(p + u - c), length(p + v - c)})};
+    }
+    static void to_parallelogram(LightRecord& light)
+    {
+        const auto r = light.get<RectangleLightRecord>();
+        ParallelogramLightRecord p{.flat = r.flat};
+        for (int i = 0; i < 3; ++i) {
+            p.corner[i] = r.corner[i];
+            p.edge_u[i] = r.u[i] * r.length_u, p.edge_v[i] = r.v[i] * r.length_v;
+        }
+        light.set(p);
     }
 
     /// Bounds of a triangle over all keys. Between keys its corners move linearly, and its normal is a weighted mean of
     /// three cross products of edges.
-    Ball bound_moving_triangle(const Motion& m, NormalCone& normals, double& mean_area) const
+    LightBall bound_moving_triangle(const Motion& m, NormalCone& normals, double& mean_area) const
     {
         struct Corners {
             Vec3d a, u, v;
@@ -285,154 +267,126 @@ private:
     {
         LightRecord light;
         const double side = flipped ? -1 : 1;
-        if (p < t_.first_quad()) {
-            const std::uint32_t* v = &t_.triangles[3 * std::size_t(p)];
-            const auto vertex = [&](int k) { return to_render.point(to_double(t_.positions[v[k]])); };
-            const Vec3d a = vertex(0), u = vertex(1) - a, w = vertex(2) - a;
-            const Vec3d n = cross(u, w);
-            light.kind = std::uint32_t(LightRecordKind::triangle);
-            store(light.position, a), store(light.edge_u, u), store(light.edge_v, w);
-            store(light.normal, normalize(n) * side);
-            light.area = float(length(n) / 2);
-        } else if (p < t_.first_sphere()) {
-            const QuadRecord& q = t_.quads[p - t_.first_quad()];
-            const Vec3d corner = to_render.point(to_double(q.corner));
-            const Vec3d u = to_render.vector(to_double(q.edge_u)), v = to_render.vector(to_double(q.edge_v)),
-                        n = cross(u, v);
-            const bool right_angle = std::abs(dot(u, v)) <= 1e-6 * length(u) * length(v);
-            light.kind = std::uint32_t(right_angle ? LightRecordKind::rectangle : LightRecordKind::parallelogram);
-            store(light.position, corner);
-            store(light.edge_u, right_angle ? normalize(u) : u), store(light.edge_v, right_angle ? normalize(v) : v);
-            store(light.normal, normalize(n) * side);
-            light.length_u = float(length(u)), light.length_v = float(length(v));
-            light.area = float(length(n));
-            store(light.motion_or_center, corner + (u + v) * 0.5);
-            light.radius = float(length(u + v));
-        } else if (p < t_.first_disk()) {
-            const SphereRecord& s = t_.spheres[p - t_.first_sphere()];
-            set_bounding_ball(light, to_double(s.center), double(s.radius), to_render);
-            store(light.motion_or_center, to_render.vector(to_double(s.motion)));
-        } else if (p >= t_.first_curve() && p < t_.first_point()) {
-            light.kind = std::uint32_t(LightRecordKind::curve);
-        } else if (p >= t_.first_point()) {
+        if (p < t_.first_quad())
+            light.set(triangle_light(p, side, to_render));
+        else if (p < t_.first_sphere())
+            set_quad(light, t_.quads[p - t_.first_quad()], side, to_render);
+        else if (p < t_.first_disk())
+            light.set(sphere_light(t_.spheres[p - t_.first_sphere()], to_render));
+        else if (p < t_.first_curve())
+            light.set(disk_light(t_.disks[p - t_.first_disk()], to_render));
+        else if (p < t_.first_point())
+            light.set(CurveLightRecord());
+        else {
             const Vec4f& point = t_.points[p - t_.first_point()];
-            set_bounding_ball(light, {double(point.x), double(point.y), double(point.z)}, double(point.w), to_render);
-        } else {
-            const DiskRecord& d = t_.disks[p - t_.first_disk()];
-            const double radius = double(d.radius) * scale_of(to_render);
-            light.kind = std::uint32_t(LightRecordKind::disk);
-            store(light.position, to_render.point(to_double(d.center)));
-            store(light.normal, normalize(to_render.vector(to_double(d.normal))));
-            light.radius = float(radius);
-            light.area = float(std::numbers::pi * radius * radius);
+            light.set(
+                sphere_light({.center = {point.x, point.y, point.z}, .motion = {}, .radius = point.w}, to_render));
         }
         return light;
     }
 
-    static void set_bounding_ball(LightRecord& light, const Vec3d& center, double own_radius,
-                                  const Transform& to_render)
+    TriangleLightRecord triangle_light(std::uint32_t p, double side, const Transform& to_render) const
     {
-        const double radius = own_radius * scale_of(to_render);
-        light.kind = std::uint32_t(LightRecordKind::sphere);
-        store(light.position, to_render.point(center));
+        const std::uint32_t* v = &t_.triangles[3 * std::size_t(p)];
+        const auto vertex = [&](int k) { return to_render.point(to_double(t_.positions[v[k]])); };
+        const Vec3d a = vertex(0), u = vertex(1) - a, w = vertex(2) - a;
+        const Vec3d n = cross(u, w);
+        TriangleLightRecord light;
+        store(light.corner, a), store(light.edge_u, u), store(light.edge_v, w);
+        store(light.flat.normal, normalize(n) * side);
+        light.flat.area = float(length(n) / 2);
+        return light;
+    }
+
+    static void set_quad(LightRecord& light, const QuadRecord& q, double side, const Transform& to_render)
+    {
+        const Vec3d corner = to_render.point(to_double(q.corner));
+        const Vec3d u = to_render.vector(to_double(q.edge_u)), v = to_render.vector(to_double(q.edge_v)),
+                    n = cross(u, v);
+        FlatLightRecord flat;
+        store(flat.normal, normalize(n) * side);
+        flat.area = float(length(n));
+        if (std::abs(dot(u, v)) > 1e-6 * length(u) * length(v)) {
+            ParallelogramLightRecord p{.flat = flat};
+            store(p.corner, corner), store(p.edge_u, u), store(p.edge_v, v);
+            return light.set(p);
+        }
+        RectangleLightRecord r{.flat = flat};
+        store(r.corner, corner);
+        store(r.u, normalize(u)), store(r.v, normalize(v));
+        r.length_u = float(length(u)), r.length_v = float(length(v));
+        store(r.center, corner + (u + v) * 0.5);
+        r.diagonal = float(length(u + v));
+        light.set(r);
+    }
+
+    static SphereLightRecord sphere_light(const SphereRecord& s, const Transform& to_render)
+    {
+        const double radius = double(s.radius) * scale_of(to_render);
+        SphereLightRecord light;
+        store(light.center, to_render.point(to_double(s.center)));
+        store(light.velocity, to_render.vector(to_double(s.motion)));
         light.radius = float(radius);
         light.area = float(4 * std::numbers::pi * radius * radius);
+        return light;
     }
+
+    static DiskLightRecord disk_light(const DiskRecord& d, const Transform& to_render)
+    {
+        const double radius = double(d.radius) * scale_of(to_render);
+        DiskLightRecord light;
+        store(light.center, to_render.point(to_double(d.center)));
+        store(light.flat.normal, normalize(to_render.vector(to_double(d.normal))));
+        light.radius = float(radius);
+        light.flat.area = float(std::numbers::pi * radius * radius);
+        return light;
+    }
+
     /// Scale factor of a similarity.
     static double scale_of(const Transform& t) { return length(t.vector({1, 0, 0})); }
 
     void add_light(const FlattenedLight& occurrence)
+    {
+        LightRecords::for_each([&]<class Own>() {
+            if constexpr (requires { Own::is_for; })
+                if (Own::is_for(*occurrence.light)) add_light_as<Own>(occurrence);
+        });
+    }
+
+    template <class Own>
+    void add_light_as(const FlattenedLight& occurrence)
     {
         const Light& l = *occurrence.light;
         LightRecord light;
         light.flags = LightRecord::two_sided;
         const Rgb intensity = spectrum(l.intensity);
         std::copy(intensity.begin(), intensity.end(), light.radiance);
-        store(light.position, occurrence.render_from_node.point({0, 0, 0}));
-        store(light.edge_u, normalize(occurrence.render_from_node.vector({0, 0, -1})));
-        if (l.kind == LightKind::directional) {
-            light.kind = std::uint32_t(LightRecordKind::directional);
-            store(light.position, {0, 0, 0});
-            if (l.angle > min_angle) {
-                // Irradiance E of a disk of half angle a at normal incidence is its radiance times pi sin^2 a.
-                const double half = std::min(l.angle / 2, std::numbers::pi / 2), s = std::sin(half);
-                light.radius = float(one_minus_cos(half));
-                for (float& r : light.radiance) r = float(r / (std::numbers::pi * s * s));
-            }
-            add(light, luminance(intensity.data()) * std::numbers::pi * scene_radius_ * scene_radius_);
-            return;
-        }
-        if (l.kind == LightKind::beam) return add_beam(light, occurrence);
-        // Intensity refers to squared distances in world units; render space is scaled.
-        for (float& r : light.radiance) r = float(r * c_.space.scale * c_.space.scale);
-        light.kind = std::uint32_t(l.kind == LightKind::spot ? LightRecordKind::spot : LightRecordKind::point);
-        const double outer = one_minus_cos(l.outer_angle);
-        light.outer = float(outer);
-        light.falloff = float(outer - one_minus_cos(std::min(l.inner_angle, l.outer_angle)));
-        if (l.kind == LightKind::spot) put_falloff(light, l);
-        double intensity_luminance = luminance(light.radiance);
-        if (is_pictured(l)) intensity_luminance = put_picture(light, occurrence);
-        if (occurrence.motion >= 0) set_poses(light, (*motions_)[std::size_t(occurrence.motion)]);
-        add(light, intensity_luminance * 4 * std::numbers::pi);
-    }
-
-    void add_beam(LightRecord& light, const FlattenedLight& occurrence)
-    {
-        const Light& l = *occurrence.light;
-        const Transform& t = occurrence.render_from_node;
-        const Vec3d u = t.vector({l.width / 2, 0, 0}), v = t.vector({0, l.height / 2, 0}), n = cross(u, v);
-        const double area = length(n) * (l.round ? std::numbers::pi : 4);
-        if (!(area > 0)) return;
-        light.kind = std::uint32_t(LightRecordKind::beam);
-        light.radius = l.round;
-        light.area = float(area);
-        store(light.edge_u, u), store(light.edge_v, v);
-        store(light.normal, normalize(dot(n, t.vector({0, 0, -1})) < 0 ? -n : n));
+        const std::function<PicturedIntensity()> add_picture = [&] { return add_light_picture(c_, l); };
+        const PlacedLight placed{l, occurrence.render_from_node, c_.space.scale, scene_radius_, add_picture};
+        const std::optional<double> power = Own::compile(placed, light);
+        if (!power) return;
         if (occurrence.motion >= 0) {
-            set_poses(light, (*motions_)[std::size_t(occurrence.motion)], std::hypot(l.width, l.height) / 2);
-            store(light.edge_u, {l.width / 2, 0, 0}), store(light.edge_v, {0, l.height / 2, 0});
-            store(light.normal, {0, 0, -1});
-        }
-        add(light, luminance(light.radiance) * area);
+            const std::vector<PoseRecord> poses = pose_tables((*motions_)[std::size_t(occurrence.motion)]);
+            Own own = light.get<Own>();
+            own.set_axes(l, Transform());
+            light.set(own);
+            set_poses(light, poses);
+            add_extent(poses, Own::node_radius(l));
+        } else
+            light.get<Own>().add_places(t_.light_places);
+        add(light, *power);
     }
 
-    static void put_falloff(LightRecord& light, const Light& l)
+    void set_poses(LightRecord& light, const std::vector<PoseRecord>& poses)
     {
-        // Equal angles leave no falloff range, and no angle to divide by.
-        const double way = l.outer_angle - l.inner_angle;
-        if (l.falloff == SpotFalloff::smooth) light.length_u = 1;
-        if (l.falloff == SpotFalloff::linear && way > 1e-6 * l.outer_angle)
-            light.radius = float(l.outer_angle), light.area = float(1 / way);
-    }
-
-    /// Sets the image of a light. Returns the luminance of its typical intensity, in render space.
-    double put_picture(LightRecord& light, const FlattenedLight& occurrence)
-    {
-        const PicturedIntensity pictured = add_light_picture(c_, *occurrence.light);
-        for (float& r : light.radiance) r = float(double(r) * pictured.factor);
-        light.kind = std::uint32_t(LightRecordKind::pictured);
-        light.primitive = pictured.picture;
-        if (occurrence.light->kind != LightKind::spot) light.outer = float(pictured.outer), light.falloff = 0;
-        // The axes of the image stay orthogonal under stretching, and follow the node's mirroring.
-        const Transform& t = occurrence.render_from_node;
-        const Vec3d along = normalize(t.vector({0, 0, -1})), right = t.vector({1, 0, 0});
-        const Vec3d across = normalize(right - along * dot(right, along)), top = cross(across, along);
-        store(light.edge_v, across);
-        store(light.normal, dot(top, t.vector({0, 1, 0})) < 0 ? -top : top);
-        return pictured.typical * c_.space.scale * c_.space.scale;
-    }
-
-    /// Sets the poses of a light on a moving node, and records its bounds. radius: of its bounding ball, in node space.
-    /// Not for directional lights.
-    void set_poses(LightRecord& light, const std::vector<NodeKey>& motion, double radius = 0)
-    {
-        const std::vector<PoseRecord> poses = pose_tables(motion);
         light.motion = LightRecord::has_poses;
         light.instance = append_poses(t_, poses, c_.scene.file);
         t_.moving = true;
-        store(light.edge_u, {0, 0, -1});
-        if (light.kind == std::uint32_t(LightRecordKind::pictured))
-            store(light.edge_v, {1, 0, 0}), store(light.normal, {0, 1, 0});
+    }
+
+    /// Records the bounds of the next light, which poses carry along. radius: of its bounding ball, in node space.
+    void add_extent(const std::vector<PoseRecord>& poses, double radius)
+    {
         const LightMotionBounds path(poses);
         LightExtent extent{std::uint32_t(t_.lights.size()), {}, 0, {}};
         path.set_bounding_ball({}, radius, extent);

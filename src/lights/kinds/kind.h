@@ -1,14 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Interface of light kinds. A kind is a class with
-///     static constexpr LightRecordKind kind
-///     static LightPoint sample(light, p, time, random, active)   a point of it as seen from p, with its density
+///     using Record                                                its record (records.h)
+///     static LightPoint sample(light, p, time, random, active)    a point of it as seen from p, with its density
 /// and, if rays can hit it and it is not sampled uniformly by area in all lanes,
-///     static Mask by_solid_angle(light, p)            lanes that are sampled in another way
-///     static Float pdf(light, p, time, by_area) density in those lanes, by_area in the others
-/// light: a LightReader.
+///     static Mask by_solid_angle(light, p)                        lanes that are sampled in another way
+///     static Float pdf(light, p, time, by_area)                   density in those lanes, by_area in the others
+/// and, if it can move with an instance of its primitive or with its node,
+///     static void place(MovingLight&, const LightPlace&, Mask m)  transforms its record to render space
+/// light: a LightReader, or a MovingLight in scenes where lights move.
+#include <cstddef>
+
+#include "geometry/motion.h"
 #include "geometry/ray.h"
-#include "lights/records.h"
+#include "lights/kinds/records.h"
 #include "math/gather_member.h"
 #include "math/spectrum.h"
 #include "sampling/warp.h"
@@ -27,21 +32,7 @@ public:
     {
     }
     UInt kind() const { return integer(&LightRecord::kind); }
-    Float pmf() const { return value(&LightRecord::pmf); }
-    Vec3 position() const { return vector(&LightRecord::position); }
-    Vec3 edge_u() const { return vector(&LightRecord::edge_u); }
-    Vec3 edge_v() const { return vector(&LightRecord::edge_v); }
-    Vec3 normal() const { return vector(&LightRecord::normal); }
-    /// Center of a rectangle.
-    Vec3 center() const { return vector(&LightRecord::motion_or_center); }
-    /// Velocity of a sphere.
-    Vec3 motion() const { return vector(&LightRecord::motion_or_center); }
-    Float length_u() const { return value(&LightRecord::length_u); }
-    Float length_v() const { return value(&LightRecord::length_v); }
-    Float area() const { return value(&LightRecord::area); }
-    Float radius() const { return value(&LightRecord::radius); }
-    Float outer() const { return value(&LightRecord::outer); }
-    Float falloff() const { return value(&LightRecord::falloff); }
+    Float pmf() const { return word(detail::word_of(&LightRecord::pmf)); }
     Mask has(LightRecord::Flags flag) const { return (integer(&LightRecord::flags) & UInt(flag)) != UInt(0); }
     UInt material() const { return integer(&LightRecord::material); }
     UInt primitive() const { return integer(&LightRecord::primitive); }
@@ -50,13 +41,46 @@ public:
     UInt motion_flags() const { return integer(&LightRecord::motion); }
     Spectrum radiance() const
     {
-        const std::size_t first = detail::word_of(&LightRecord::radiance);
         Spectrum s;
-        words(first, s.c);
+        words(detail::word_of(&LightRecord::radiance), s.c);
         return s;
     }
 
+    /// Members of the record of a kind. In lanes of other kinds, the values mean nothing.
+    template <class Own>
+    Float get(float Own::* member) const
+    {
+        return word(own_word + detail::word_of(member));
+    }
+    template <class Own>
+    UInt get(std::uint32_t Own::* member) const
+    {
+        return float_bits(word(own_word + detail::word_of(member)));
+    }
+    template <class Own>
+    Vec3 get(float (Own::*member)[3]) const
+    {
+        Float row[3];
+        words(own_word + detail::word_of(member), row);
+        return {row[0], row[1], row[2]};
+    }
+
+protected:
+    /// Loads the record of each lane's kind.
+    void load_own(Float (&to)[LightRecord::own_words]) const
+    {
+        constexpr int row_words = 3;
+        static_assert(LightRecord::own_words % row_words == 0);
+        for (std::size_t i = 0; i < LightRecord::own_words; i += row_words) {
+            Float row[row_words];
+            words(own_word + i, row);
+            for (std::size_t k = 0; k < row_words; ++k) to[i + k] = row[k];
+        }
+    }
+
 private:
+    static constexpr std::size_t own_word = offsetof(LightRecord, own) / sizeof(float);
+
     Float word(std::size_t number) const
     {
         if constexpr (one)
@@ -72,18 +96,17 @@ private:
         else
             gather_row(base_ + first, offset_, to);
     }
-    Float value(float LightRecord::* member) const { return word(detail::word_of(member)); }
     UInt integer(std::uint32_t LightRecord::* member) const { return float_bits(word(detail::word_of(member))); }
-    Vec3 vector(float (LightRecord::*member)[3]) const
-    {
-        const std::size_t first = detail::word_of(member);
-        Float row[3];
-        words(first, row);
-        return {row[0], row[1], row[2]};
-    }
 
     const float* base_;
     UInt offset_;
+};
+
+/// Transform of a moving light from the space of its record to render space, at a shutter time.
+struct LightPlace {
+    Affine to_render;
+    Affine to_object;  ///< its inverse; set for instances of primitives only
+    Float time;
 };
 
 /// A point of a light, sampled by its kind.
@@ -96,13 +119,32 @@ struct LightPoint {
     Mask is_delta;      ///< rays can't hit the light: MIS weight 1
 };
 
+/// Normalizes; zero stays zero: a light without a normal emits nothing.
+inline Vec3 unit_or_zero(const Vec3& v)
+{
+    return v * inverse_sqrt(max(dot(v, v), Float(1e-37f)));
+}
+
 namespace detail {
+
+/// Transforms the normal of a flat light.
+template <class Moving>
+void place_normal(Moving& light, const LightPlace& at, Mask m)
+{
+    light.set(&FlatLightRecord::normal,
+              unit_or_zero(at.to_object.transposed_vector(light.get(&FlatLightRecord::normal))), m);
+}
 
 /// A point of a flat light, sampled uniformly by area. `to`: vector from the shading point to it.
 struct FlatLightPoint {
     Vec3 wi;
     Float distance, inverse_pdf, cosine;
 
+    template <class Light>
+    [[gnu::always_inline]] FlatLightPoint(Vec3 to, const Light& light)
+        : FlatLightPoint(to, light.get(&FlatLightRecord::normal), light.get(&FlatLightRecord::area))
+    {
+    }
     [[gnu::always_inline]] FlatLightPoint(Vec3 to, Vec3 n, Float area)
     {
         const Float distance2 = dot(to, to), inverse = inverse_sqrt(distance2);

@@ -8,12 +8,25 @@ inline namespace FATHOM_LANES {
 /// A point light whose intensity is multiplied by an image, within a cone that contains or cuts the image.
 /// light_picture() evaluates the image.
 struct PicturedLight {
-    static constexpr LightRecordKind kind = LightRecordKind::pictured;
+    using Record = PicturedLightRecord;
 
     template <class Light>
     static LightPoint sample(const Light& light, Vec3 p, Float time, Sample2 random, Mask active)
     {
         return SpotLight::sample(light, p, time, random, active);
+    }
+
+    /// Rotates the axes of the image, and keeps them orthogonal.
+    template <class Moving>
+    static void place(Moving& light, const LightPlace& at, Mask m)
+    {
+        SpotLight::place(light, at, m);
+        const Vec3 axis = light.get(&SpotLightRecord::axis);
+        const Vec3 right = at.to_render.vector(light.get(&Record::right)),
+                   up = at.to_render.vector(light.get(&Record::top));
+        const Vec3 across = unit_or_zero(right - axis * dot(right, axis)), top = cross(across, axis);
+        light.set(&Record::right, across, m);
+        light.set(&Record::top, flip_sign(top, dot(top, up)), m);
     }
 };
 

@@ -7,14 +7,25 @@ inline namespace FATHOM_LANES {
 
 /// Isotropic point light: a delta light whose radiance falls off with the squared distance.
 struct PointLight {
-    static constexpr LightRecordKind kind = LightRecordKind::point;
+    using Record = PointLightRecord;
 
     template <class Light>
     static LightPoint sample(const Light& light, Vec3 p, Float, Sample2, Mask)
     {
-        const Vec3 to = light.position() - p;
+        return from_point(light.get(&Record::position), p);
+    }
+    /// Light of intensity 1 from a point.
+    static LightPoint from_point(const Vec3& position, const Vec3& p)
+    {
+        const Vec3 to = position - p;
         const Float distance2 = dot(to, to), distance = sqrt(distance2);
         return {to * (Float(1) / distance), distance, Float(1), Float(1), Float(1) / distance2, Mask(true)};
+    }
+
+    template <class Moving>
+    static void place(Moving& light, const LightPlace& at, Mask m)
+    {
+        light.set(&Record::position, at.to_render.shift, m);
     }
 };
 

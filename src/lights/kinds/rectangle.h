@@ -15,8 +15,9 @@ inline constexpr float min_solid_angle = 1e-3f;
 template <class Light>
 Mask is_rectangle_close(const Light& light, Vec3 p)
 {
-    const Vec3 to_center = light.center() - p;
-    return dot(to_center, to_center) < light.radius() * light.radius();
+    const Vec3 to_center = light.get(&RectangleLightRecord::center) - p;
+    const Float diagonal = light.get(&RectangleLightRecord::diagonal);
+    return dot(to_center, to_center) < diagonal * diagonal;
 }
 
 namespace detail {
@@ -25,14 +26,15 @@ namespace detail {
 template <class Light>
 [[gnu::noinline]] FlatLightPoint sample_large_rectangle(const Light& light, Vec3 corner, Sample2 random, Mask large)
 {
-    const Vec3 u = light.edge_u(), v = light.edge_v(), n = light.normal();
-    const Float length_u = light.length_u(), length_v = light.length_v();
+    using Record = RectangleLightRecord;
+    const Vec3 u = light.get(&Record::u), v = light.get(&Record::v), n = light.get(&FlatLightRecord::normal);
+    const Float length_u = light.get(&Record::length_u), length_v = light.get(&Record::length_v);
     const SphericalRectangle seen(corner, u, v, n, length_u, length_v);
     const SphericalRectangle::Point point = seen.sample(random);
     const Mask by_solid_angle = large & (seen.solid_angle >= Float(min_solid_angle));
     const Float du = select(by_solid_angle, point.x - seen.x0, random.x * length_u);
     const Float dv = select(by_solid_angle, point.y - seen.y0, random.y * length_v);
-    FlatLightPoint s(fma(u, du, fma(v, dv, corner)), n, light.area());
+    FlatLightPoint s(fma(u, du, fma(v, dv, corner)), n, light.get(&FlatLightRecord::area));
     s.inverse_pdf = select(by_solid_angle, seen.solid_angle, s.inverse_pdf);
     return s;
 }
@@ -41,21 +43,21 @@ template <class Light>
 
 /// Rectangle, sampled by solid angle where it is close, else by area.
 struct RectangleLight {
-    static constexpr LightRecordKind kind = LightRecordKind::rectangle;
+    using Record = RectangleLightRecord;
 
     template <class Light>
     [[gnu::always_inline]] static detail::FlatLightPoint sample(const Light& light, Vec3 p, Float, Sample2 random,
                                                                 Mask active)
     {
-        const Vec3 n = light.normal();
-        const Vec3 corner = light.position() - p;
+        const Vec3 n = light.get(&FlatLightRecord::normal);
+        const Vec3 corner = light.get(&Record::corner) - p;
         // Points behind a one-sided light need no good sample.
         const Mask large =
             active & is_rectangle_close(light, p) & (light.has(LightRecord::two_sided) | (dot(corner, n) < Float(0)));
         if (any(large)) return detail::sample_large_rectangle(light, corner, random, large);
-        const Vec3 to =
-            fma(light.edge_u(), random.x * light.length_u(), fma(light.edge_v(), random.y * light.length_v(), corner));
-        return detail::FlatLightPoint(to, n, light.area());
+        const Float du = random.x * light.get(&Record::length_u), dv = random.y * light.get(&Record::length_v);
+        const Vec3 to = fma(light.get(&Record::u), du, fma(light.get(&Record::v), dv, corner));
+        return detail::FlatLightPoint(to, n, light.get(&FlatLightRecord::area));
     }
     template <class Light>
     static Mask by_solid_angle(const Light& light, Vec3 p)
@@ -65,9 +67,28 @@ struct RectangleLight {
     template <class Light>
     static Float pdf(const Light& light, Vec3 p, Float, Float by_area)
     {
-        const SphericalRectangle seen(light.position() - p, light.edge_u(), light.edge_v(), light.normal(),
-                                      light.length_u(), light.length_v());
+        const SphericalRectangle seen(light.get(&Record::corner) - p, light.get(&Record::u), light.get(&Record::v),
+                                      light.get(&FlatLightRecord::normal), light.get(&Record::length_u),
+                                      light.get(&Record::length_v));
         return select(seen.solid_angle >= Float(min_solid_angle), reciprocal(seen.solid_angle), by_area);
+    }
+
+    template <class Moving>
+    static void place(Moving& light, const LightPlace& at, Mask m)
+    {
+        const Vec3 u = at.to_render.vector(light.get(&Record::u) * light.get(&Record::length_u)),
+                   v = at.to_render.vector(light.get(&Record::v) * light.get(&Record::length_v)), n = cross(u, v);
+        const Vec3 corner = at.to_render.point(light.get(&Record::corner)), diagonal = u + v;
+        const Float length_u = sqrt(dot(u, u)), length_v = sqrt(dot(v, v));
+        light.set(&Record::corner, corner, m);
+        light.set(&Record::u, u * (Float(1) / length_u), m);
+        light.set(&Record::v, v * (Float(1) / length_v), m);
+        light.set(&Record::length_u, length_u, m);
+        light.set(&Record::length_v, length_v, m);
+        light.set(&Record::center, fma(diagonal, Float(0.5f), corner), m);
+        light.set(&Record::diagonal, sqrt(dot(diagonal, diagonal)), m);
+        light.set(&FlatLightRecord::area, sqrt(dot(n, n)), m);
+        detail::place_normal(light, at, m);
     }
 };
 

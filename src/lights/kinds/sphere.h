@@ -13,13 +13,13 @@ inline Float one_minus_cos_of(Float sin2)
 
 /// Sphere, sampled by the solid angle of the cone that it subtends; uniformly over all directions from inside.
 struct SphereLight {
-    static constexpr LightRecordKind kind = LightRecordKind::sphere;
+    using Record = SphereLightRecord;
 
     template <class Light>
     static LightPoint sample(const Light& light, Vec3 p, Float time, Sample2 random, Mask)
     {
-        const Vec3 to_center = fma(light.motion(), time, light.position()) - p;
-        const Float r = abs(light.radius()), sin2 = r * r / dot(to_center, to_center);
+        const Vec3 to_center = fma(light.get(&Record::velocity), time, light.get(&Record::center)) - p;
+        const Float radius = light.get(&Record::radius), r = abs(radius), sin2 = r * r / dot(to_center, to_center);
         const Mask outside = sin2 < Float(1);
         const Float spread = cone(sin2);
         const Vec3 wi = Frame(normalize(to_center)).to_world(sample_cone(random, spread));
@@ -29,12 +29,9 @@ struct SphereLight {
         const Float root = sqrt(max(fma(r, r, -dot(foot, foot)), Float(0)));
         // The normal points outwards for a positive radius, so that seen from outside it faces the shading point.
         const Float side = select(outside, Float(1), Float(-1));
-        return {wi,
-                select(outside, b - root, b + root),
-                Float(2 * pi) * spread,
-                flip_sign(side, light.radius()),
-                Float(1),
-                Mask(false)};
+        return {
+            wi,         select(outside, b - root, b + root), Float(2 * pi) * spread, flip_sign(side, radius), Float(1),
+            Mask(false)};
     }
     template <class Light>
     static Mask by_solid_angle(const Light&, Vec3)
@@ -44,9 +41,20 @@ struct SphereLight {
     template <class Light>
     static Float pdf(const Light& light, Vec3 p, Float time, Float)
     {
-        const Vec3 to_center = fma(light.motion(), time, light.position()) - p;
-        const Float r = light.radius();
+        const Vec3 to_center = fma(light.get(&Record::velocity), time, light.get(&Record::center)) - p;
+        const Float r = light.get(&Record::radius);
         return Float(0.5f * inv_pi) / cone(r * r / dot(to_center, to_center));
+    }
+
+    /// Spheres are lights only under similarities, which keep their shape.
+    template <class Moving>
+    static void place(Moving& light, const LightPlace& at, Mask m)
+    {
+        const Vec3 x{at.to_render.row[0].x, at.to_render.row[1].x, at.to_render.row[2].x};
+        const Vec3 now = fma(light.get(&Record::velocity), at.time, light.get(&Record::center));
+        light.set(&Record::center, at.to_render.point(now), m);
+        light.set(&Record::radius, light.get(&Record::radius) * sqrt(dot(x, x)), m);
+        light.set(&Record::velocity, Vec3(Float(0), Float(0), Float(0)), m);
     }
 
 private:

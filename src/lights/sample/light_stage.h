@@ -155,8 +155,10 @@ private:
     template <class Light>
     [[gnu::noinline]] Spectrum picture_at(const Light& light, const Vec3& wi, Mask m) const
     {
-        const Spectrum factor = light_picture(tables_, light.primitive(), -dot(wi, light.edge_v()),
-                                              -dot(wi, light.normal()), -dot(wi, light.edge_u()), m);
+        using Record = PicturedLightRecord;
+        const Float right = -dot(wi, light.get(&Record::right)), up = -dot(wi, light.get(&Record::top)),
+                    along = -dot(wi, light.get(&SpotLightRecord::axis));
+        const Spectrum factor = light_picture(tables_, light.get(&Record::picture), right, up, along, m);
         return select(m, factor, Spectrum(Float(1)));
     }
 
@@ -191,8 +193,9 @@ private:
         hit.primitive = light.primitive();
         hit.instance = light.instance();
         // Barycentric coordinates of a triangle's point; other kinds compute theirs from the position.
-        const Vec3 r = fma(s.wi, s.distance, from) - light.position();
-        const Vec3 u = light.edge_u(), v = light.edge_v();
+        using Triangle = TriangleLightRecord;
+        const Vec3 r = fma(s.wi, s.distance, from) - light.get(&Triangle::corner);
+        const Vec3 u = light.get(&Triangle::edge_u), v = light.get(&Triangle::edge_v);
         const Vec3 n = cross(u, v);
         const Float scale = Float(1) / max(dot(n, n), Float(1e-30f));
         hit.u = select(curves.m, curves.u, dot(cross(r, v), n) * scale);

@@ -9,33 +9,25 @@
 #include <span>
 #include <tuple>
 
+#include "lights/compile/kind.h"
+
 namespace fathom {
 
 namespace {
 
 constexpr double pi = std::numbers::pi;
 constexpr double infinite = std::numeric_limits<double>::infinity();
-/// Margins of bounds on normals and positions, against rounding of the records and of the kernel's arithmetic.
-constexpr double cosine_slack = 1e-6, radius_slack = 1e-5, position_slack = 0x1p-21, min_radius = 1e-6;
+/// Margins of bounds on positions, against rounding of the records and of the kernel's arithmetic.
+constexpr double radius_slack = 1e-5, position_slack = 0x1p-21, min_radius = 1e-6;
 
-Vec3d to_vector(const float* v)
-{
-    return {double(v[0]), double(v[1]), double(v[2])};
-}
 std::array<double, 3> axes(const Vec3d& v)
 {
     return {v.x, v.y, v.z};
 }
 
-/// Bounds of a light for the tree.
-struct Item {
-    Vec3d center;
-    double radius;
-    Vec3d axis;  ///< unit; zero: emits in all directions
-    double cos_normals, cos_emission;
-    double intensity;
-    std::uint32_t light;
-    bool emits_back;
+/// A light and its bounds.
+struct Item : LightBounds {
+    std::uint32_t light = 0;
 };
 
 struct Box {
@@ -71,7 +63,7 @@ struct Sums {
 
     void add(const Item& item)
     {
-        box.add(item.center, item.radius);
+        box.add(item.ball.center, item.ball.radius);
         axis = axis + item.axis * item.intensity;
         intensity += item.intensity;
     }
@@ -91,83 +83,16 @@ struct Sums {
     }
 };
 
-/// Sets the bounding ball of a light's positions between the times `open` and `close`.
-void set_bounding_ball(Item& item, const LightRecord& l, double open, double close)
+LightBounds bounds_of(const LightRecord& light, double power, const Shutter& shutter)
 {
-    const Vec3d p = to_vector(l.position), u = to_vector(l.edge_u), v = to_vector(l.edge_v);
-    const auto put = [&](const Vec3d& center, double radius) { item.center = center, item.radius = radius; };
-    switch (LightRecordKind(l.kind)) {
-        case LightRecordKind::rectangle: {
-            const Vec3d a = u * double(l.length_u), b = v * double(l.length_v);
-            return put(p + (a + b) * 0.5, std::max(length(a + b), length(a - b)) / 2);
-        }
-        case LightRecordKind::parallelogram:
-            return put(p + (u + v) * 0.5, std::max(length(u + v), length(u - v)) / 2);
-        case LightRecordKind::triangle: {
-            Box box;
-            for (const Vec3d& corner : {p, p + u, p + v}) box.add(corner);
-            const Vec3d c = box.center();
-            return put(c, std::max({length(p - c), length(p + u - c), length(p + v - c)}));
-        }
-        case LightRecordKind::sphere: {
-            const Vec3d motion = to_vector(l.motion_or_center);
-            return put(p + motion * ((open + close) / 2),
-                       std::abs(double(l.radius)) + length(motion) * (close - open) / 2);
-        }
-        case LightRecordKind::disk:
-            return put(p, double(l.radius));
-        case LightRecordKind::beam:
-            return put(p, l.radius > 0 ? std::hypot(length(u), length(v)) : std::max(length(u + v), length(u - v)));
-        default:
-            return put(p, 0);
-    }
-}
-
-/// Sets the directions of emission, and the maximum intensity of a light of the given power.
-void set_emission(Item& item, const LightRecord& l, double power)
-{
-    item.axis = {};
-    item.cos_normals = -1;  // emits in all directions
-    item.cos_emission = 0;
-    item.emits_back = false;
-    switch (LightRecordKind(l.kind)) {
-        case LightRecordKind::sphere:
-            item.intensity = power / (l.flags & LightRecord::two_sided ? 8 * pi : 4 * pi);
-            return;
-        case LightRecordKind::point:
-        case LightRecordKind::curve:
-            item.intensity = power / (4 * pi);
-            return;
-        case LightRecordKind::pictured:
-            item.intensity = power / (4 * pi);
-            if (l.outer >= 2) return;  // the image covers all directions
-            [[fallthrough]];
-        case LightRecordKind::spot:
-            // A spot's directions are the normals of its cone, with no emission beyond.
-            item.axis = to_vector(l.edge_u);
-            item.cos_normals = 1 - double(l.outer);
-            item.cos_emission = 1 - cosine_slack;
-            item.intensity = power / (4 * pi);
-            return;
-        case LightRecordKind::beam: {
-            // Irradiance of a beam doesn't fall off with the squared distance, but importance does. The intensity is
-            // that of a light with equal irradiance at a quarter to half of the scene's radius (512 to 1024 in render
-            // space).
-            constexpr double typical_distance = 256;
-            item.axis = to_vector(l.normal);
-            item.cos_normals = 1;
-            item.cos_emission = 1 - cosine_slack;
-            item.intensity = power / double(l.area) * typical_distance * typical_distance;
-            return;
-        }
-        default:
-            item.axis = to_vector(l.normal);
-            item.cos_normals = 1;
-            item.emits_back = (l.flags & LightRecord::two_sided) != 0;
-            item.intensity = power / (l.flags & LightRecord::two_sided ? 2 * pi : pi);
-    }
+    LightBounds bounds;
+    visit_light(light, [&](const auto& own) {
+        bounds.ball = own.ball(shutter);
+        own.set_emission(bounds, light, power);
+    });
     // Degenerate lights have no normal.
-    if (!std::isfinite(dot(item.axis, item.axis))) item.axis = {}, item.cos_normals = -1;
+    if (!std::isfinite(dot(bounds.axis, bounds.axis))) bounds.axis = {}, bounds.cos_normals = -1;
+    return bounds;
 }
 
 /// Cosine of the sum of two angles given by their cosines; -1 if the sum is 180 degrees or more.
@@ -179,8 +104,8 @@ double cosine_of_sum(double a, double b)
 /// Replaces a light's bounds by those of its motion.
 void set_motion_bounds(Item& item, const LightExtent& extent)
 {
-    item.center = extent.center;
-    item.radius = extent.radius;
+    item.ball.center = extent.center;
+    item.ball.radius = extent.radius;
     if (item.cos_normals <= -1) return;
     item.axis = extent.axis;
     item.cos_normals = cosine_of_sum(item.cos_normals, std::min(extent.cos_turned, 1.0));
@@ -197,9 +122,7 @@ public:
         items_.resize(t.positioned_lights);
         double all = 0;
         for (std::uint32_t i = 0; i < t.positioned_lights; ++i) {
-            items_[i].light = i;
-            set_bounding_ball(items_[i], t.lights[i], open, close);
-            set_emission(items_[i], t.lights[i], powers[i]);
+            items_[i] = {bounds_of(t.lights[i], powers[i], {open, close}), i};
             all += items_[i].intensity;
         }
         for (Item& item : items_) item.intensity /= all;
@@ -318,7 +241,7 @@ private:
     std::uint32_t split(const Range& r)
     {
         Box centers;
-        for (const Item& item : items(r)) centers.add(item.center);
+        for (const Item& item : items(r)) centers.add(item.ball.center);
         const Split best = best_split(items(r), centers);
         if (best.cost == infinite) return (r.begin + r.end) / 2;  // all centers coincide
         const auto middle = std::partition(items(r).begin(), items(r).end(), [&](const Item& item) {
@@ -329,7 +252,7 @@ private:
 
     static int bin_of(const Item& item, const Box& centers, std::size_t axis)
     {
-        const double at = (axes(item.center)[axis] - centers.lo[axis]) / centers.extent(axis);
+        const double at = (axes(item.ball.center)[axis] - centers.lo[axis]) / centers.extent(axis);
         return std::min(int(at * bins), bins - 1);
     }
 
@@ -381,10 +304,10 @@ private:
     static void put_ball_around(LightNode& n, std::uint32_t slot, std::span<const Item> items)
     {
         Box box;
-        for (const Item& item : items) box.add(item.center, item.radius);
-        const Vec3d center = items.size() == 1 ? items[0].center : box.center();
+        for (const Item& item : items) box.add(item.ball.center, item.ball.radius);
+        const Vec3d center = items.size() == 1 ? items[0].ball.center : box.center();
         double radius = 0;
-        for (const Item& item : items) radius = std::max(radius, length(item.center - center) + item.radius);
+        for (const Item& item : items) radius = std::max(radius, length(item.ball.center - center) + item.ball.radius);
         n.x[slot] = float(center.x), n.y[slot] = float(center.y), n.z[slot] = float(center.z);
         n.radius[slot] = float(radius * (1 + radius_slack) + position_slack * length(center) + min_radius);
     }

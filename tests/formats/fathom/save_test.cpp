@@ -254,7 +254,7 @@ TEST_F(Save, LightsWithPictures)
         scene.images[1].bytes.push_back(std::byte(c));
     scene.meshes = {triangle()};
     add_shape(scene, MeshInstance{0});
-    scene.lights.resize(8);
+    scene.lights.resize(10);
     for (Light& light : scene.lights) {
         light.kind = LightKind::projector;
         light.intensity = {1, 2, 3};
@@ -271,7 +271,9 @@ TEST_F(Save, LightsWithPictures)
     scene.lights[5].intensity_is_flux = true;  // ignored for a spot light
     for (const int beam : {6, 7}) scene.lights[std::size_t(beam)].kind = LightKind::beam;
     scene.lights[7].width = 0.3, scene.lights[7].height = 0.2, scene.lights[7].round = true;
-    for (int light = 0; light < 8; ++light) {
+    for (const int tube : {8, 9}) scene.lights[std::size_t(tube)].kind = LightKind::tube;
+    scene.lights[9].length = 1.3, scene.lights[9].radius = 0.02, scene.lights[9].intensity_is_flux = true;
+    for (int light = 0; light < 10; ++light) {
         Node node;
         node.light = light;
         node.parent_from_node = Transform::rotate({1, 2, 3}, light) * Transform::scale({light % 2 ? -1.0 : 1.0, 1, 1});

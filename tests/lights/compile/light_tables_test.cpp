@@ -7,6 +7,7 @@
 
 #include "compile/compiled_scenes.h"
 #include "fathom/error.h"
+#include "lights/kinds/records.h"
 #include "lights/sky/sky.h"
 
 // Tests of compiled tables: most errors in them would show in an image only as noise, or where two errors cancel.
@@ -65,21 +66,21 @@ TEST(LightTable, EmissiveShapesFollowTheirTransforms)
     const SceneTables& t = *scene.data().tables;
     const double s = t.render_scale;
     ASSERT_EQ(t.lights.size(), 2u);
-    const LightRecord& r = t.lights[0];
-    EXPECT_EQ(r.kind, std::uint32_t(LightRecordKind::rectangle));
-    EXPECT_FLOAT_EQ(r.position[0], float(-1 * s));
-    EXPECT_FLOAT_EQ(r.position[2], float(-3 * s));
+    ASSERT_TRUE(t.lights[0].is<RectangleLightRecord>());
+    const auto r = t.lights[0].get<RectangleLightRecord>();
+    EXPECT_FLOAT_EQ(r.corner[0], float(-1 * s));
+    EXPECT_FLOAT_EQ(r.corner[2], float(-3 * s));
     EXPECT_FLOAT_EQ(r.length_u, float(2 * s));
-    EXPECT_FLOAT_EQ(r.area, float(4 * s * s));
-    EXPECT_FLOAT_EQ(r.normal[2], -1);  // the normal is y cross x
-    EXPECT_FLOAT_EQ(r.motion_or_center[0], 0);
-    EXPECT_FLOAT_EQ(r.motion_or_center[1], float(s));
-    EXPECT_FLOAT_EQ(r.radius, float(std::sqrt(8.0) * s));
-    EXPECT_EQ(r.radiance[0], 5);
-    EXPECT_EQ(r.primitive, t.first_quad());
-    const LightRecord& ball = t.lights[1];
-    EXPECT_EQ(ball.kind, std::uint32_t(LightRecordKind::sphere));
-    EXPECT_FLOAT_EQ(ball.position[0], float(7 * s));
+    EXPECT_FLOAT_EQ(r.flat.area, float(4 * s * s));
+    EXPECT_FLOAT_EQ(r.flat.normal[2], -1);  // the normal is y cross x
+    EXPECT_FLOAT_EQ(r.center[0], 0);
+    EXPECT_FLOAT_EQ(r.center[1], float(s));
+    EXPECT_FLOAT_EQ(r.diagonal, float(std::sqrt(8.0) * s));
+    EXPECT_EQ(t.lights[0].radiance[0], 5);
+    EXPECT_EQ(t.lights[0].primitive, t.first_quad());
+    ASSERT_TRUE(t.lights[1].is<SphereLightRecord>());
+    const auto ball = t.lights[1].get<SphereLightRecord>();
+    EXPECT_FLOAT_EQ(ball.center[0], float(7 * s));
     EXPECT_FLOAT_EQ(ball.radius, float(-2 * s));
     for (std::uint32_t i = 0; i < 2; ++i) {
         const ShapeRecord& shape = t.shapes[t.shape_of_primitive[t.lights[i].primitive]];
@@ -102,11 +103,12 @@ TEST(LightTable, TheSunOfASky)
         const SceneTables& t = *scene.data().tables;
         ASSERT_EQ(t.lights.size(), 2u);
         const LightRecord& sun = t.lights[1];
-        EXPECT_EQ(LightRecordKind(sun.kind), LightRecordKind::directional);
+        ASSERT_TRUE(sun.is<DirectionalLightRecord>());
+        const auto from = sun.get<DirectionalLightRecord>();
         const double side = 2 / std::sqrt(5), up = 1 / std::sqrt(5);
-        EXPECT_NEAR(sun.edge_u[0], turn_deg == 0 ? -side : 0, 1e-6);
-        EXPECT_NEAR(sun.edge_u[1], -up, 1e-6);
-        EXPECT_NEAR(sun.edge_u[2], turn_deg == 0 ? 0 : side, 1e-6);
+        EXPECT_NEAR(from.axis[0], turn_deg == 0 ? -side : 0, 1e-6);
+        EXPECT_NEAR(from.axis[1], -up, 1e-6);
+        EXPECT_NEAR(from.axis[2], turn_deg == 0 ? 0 : side, 1e-6);
         // A disk of 0.00935 radians has the irradiance of its radiance times pi sin^2 of half of that angle.
         const double s = std::sin(0.00935 / 2), solid_angle = std::numbers::pi * s * s;
         const Color arrives = Sky::sun_irradiance({2, 1, 0});
@@ -153,15 +155,17 @@ TEST(LightTable, PointSpotAndSun)
     EXPECT_NE(s, 1);
     for (std::size_t i : {0, 1})
         for (std::size_t c = 0; c < 3; ++c) EXPECT_FLOAT_EQ(t.lights[i].radiance[c], float(double(c + 1) * s * s));
-    EXPECT_FLOAT_EQ(t.lights[0].position[1], float(5 * s));
-    EXPECT_NEAR(t.lights[1].edge_u[1], -1, 1e-6);  // the node rotates -z to -y
-    EXPECT_FLOAT_EQ(t.lights[1].outer, float(1 - std::cos(0.5)));
-    EXPECT_FLOAT_EQ(t.lights[1].falloff, float(std::cos(0.2) - std::cos(0.5)));
+    EXPECT_FLOAT_EQ(t.lights[0].get<PointLightRecord>().position[1], float(5 * s));
+    const auto spot = t.lights[1].get<SpotLightRecord>();
+    EXPECT_NEAR(spot.axis[1], -1, 1e-6);  // the node rotates -z to -y
+    EXPECT_FLOAT_EQ(spot.outer, float(1 - std::cos(0.5)));
+    EXPECT_FLOAT_EQ(spot.falloff, float(std::cos(0.2) - std::cos(0.5)));
     EXPECT_FLOAT_EQ(t.lights[2].radiance[2], 3);  // irradiance does not depend on the scale of render space
-    EXPECT_EQ(t.lights[2].radius, 0);
-    EXPECT_NEAR(t.lights[2].edge_u[2], -1, 1e-6);
+    const auto sun = t.lights[2].get<DirectionalLightRecord>(), wide = t.lights[3].get<DirectionalLightRecord>();
+    EXPECT_EQ(sun.one_minus_cos, 0);
+    EXPECT_NEAR(sun.axis[2], -1, 1e-6);
     const double half = 0.25;
-    EXPECT_NEAR(t.lights[3].radius, 1 - std::cos(half), 1e-7);
+    EXPECT_NEAR(wide.one_minus_cos, 1 - std::cos(half), 1e-7);
     EXPECT_NEAR(t.lights[3].radiance[1] * std::numbers::pi * std::sin(half) * std::sin(half), 2, 1e-5);
 }
 

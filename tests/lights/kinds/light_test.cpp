@@ -18,19 +18,57 @@ void put(float* to, Vec3d v)
     to[0] = float(v.x), to[1] = float(v.y), to[2] = float(v.z);
 }
 
-LightRecord rectangle_light(Vec3d corner, Vec3d u, Vec3d v)
+/// A light of radiance 1 that emits to both sides.
+template <class Own>
+LightRecord light_of(const Own& own)
 {
     LightRecord l;
-    l.kind = std::uint32_t(LightRecordKind::rectangle);
+    l.set(own);
     l.pmf = 1;
-    put(l.position, corner), put(l.edge_u, normalize(u)), put(l.edge_v, normalize(v));
-    put(l.normal, normalize(cross(u, v)));
-    l.length_u = float(length(u)), l.length_v = float(length(v));
-    l.area = l.length_u * l.length_v;
-    put(l.motion_or_center, corner + (u + v) * 0.5);
-    l.radius = float(length(u + v));
-    l.flags = 1;
+    l.flags = LightRecord::two_sided;
     for (float& r : l.radiance) r = 1;
+    return l;
+}
+
+LightRecord rectangle_light(Vec3d corner, Vec3d u, Vec3d v)
+{
+    RectangleLightRecord r;
+    put(r.corner, corner), put(r.u, normalize(u)), put(r.v, normalize(v));
+    put(r.flat.normal, normalize(cross(u, v)));
+    r.length_u = float(length(u)), r.length_v = float(length(v));
+    r.flat.area = r.length_u * r.length_v;
+    put(r.center, corner + (u + v) * 0.5);
+    r.diagonal = float(length(u + v));
+    return light_of(r);
+}
+
+/// A triangle or parallelogram.
+template <class Own>
+LightRecord edges_light(Vec3d corner, Vec3d u, Vec3d v)
+{
+    Own l;
+    put(l.corner, corner), put(l.edge_u, u), put(l.edge_v, v), put(l.flat.normal, normalize(cross(u, v)));
+    l.flat.area = float(length(cross(u, v)) * (std::is_same_v<Own, TriangleLightRecord> ? 0.5 : 1));
+    return light_of(l);
+}
+
+LightRecord disk_light(Vec3d center, Vec3d normal, double radius)
+{
+    DiskLightRecord d;
+    put(d.center, center), put(d.flat.normal, normal);
+    d.radius = float(radius);
+    d.flat.area = float(std::numbers::pi * radius * radius);
+    return light_of(d);
+}
+
+/// One-sided.
+LightRecord sphere_light(Vec3d center, double radius, Vec3d velocity = {})
+{
+    SphereLightRecord s;
+    put(s.center, center), put(s.velocity, velocity);
+    s.radius = float(radius);
+    LightRecord l = light_of(s);
+    l.flags = 0;
     return l;
 }
 
@@ -137,14 +175,10 @@ double estimate_solid_angle(const LightRecord& table, Vec3 p)
 TEST(Lights, InverseDensitiesAverageToTheSolidAngle)
 {
     const Vec3 p(Float(0), Float(0), Float(0));
-    LightRecord l = rectangle_light({1, -1, 2}, {2, 0, 0}, {0, 1, 1});
-    l.kind = std::uint32_t(LightRecordKind::parallelogram);
-    put(l.edge_u, {2, 0, 0}), put(l.edge_v, {0, 1, 1});
+    const LightRecord l = edges_light<ParallelogramLightRecord>({1, -1, 2}, {2, 0, 0}, {0, 1, 1});
     EXPECT_NEAR(estimate_solid_angle(l, p) / solid_angle({0, 0, 0}, {1, -1, 2}, {2, 0, 0}, {0, 1, 1}), 1, 0.005);
 
-    LightRecord triangle = l;
-    triangle.kind = std::uint32_t(LightRecordKind::triangle);
-    triangle.area = l.area / 2;
+    const LightRecord triangle = edges_light<TriangleLightRecord>({1, -1, 2}, {2, 0, 0}, {0, 1, 1});
     // Solid angle of a triangle: Van Oosterom and Strackee 1983.
     const Vec3d a{1, -1, 2}, b{3, -1, 2}, c{1, 0, 3};
     const double la = length(a), lb = length(b), lc = length(c);
@@ -152,28 +186,18 @@ TEST(Lights, InverseDensitiesAverageToTheSolidAngle)
         2 * std::atan2(std::abs(dot(a, cross(b, c))), la * lb * lc + dot(a, b) * lc + dot(b, c) * la + dot(a, c) * lb);
     EXPECT_NEAR(estimate_solid_angle(triangle, p) / exact, 1, 0.005);
 
-    LightRecord disk;
-    disk.kind = std::uint32_t(LightRecordKind::disk);
-    put(disk.position, {0, 0, 2}), put(disk.normal, {0, 0, -1});
-    disk.radius = 1.5f;
-    disk.area = float(std::numbers::pi * 2.25);
+    LightRecord disk = disk_light({0, 0, 2}, {0, 0, -1}, 1.5);
+    disk.flags = 0;
     EXPECT_NEAR(estimate_solid_angle(disk, p) / (2 * std::numbers::pi * (1 - 2 / 2.5)), 1, 0.005);
 
-    LightRecord sphere;
-    sphere.kind = std::uint32_t(LightRecordKind::sphere);
-    put(sphere.position, {0, 3, 4});
-    sphere.radius = 3;
-    EXPECT_NEAR(estimate_solid_angle(sphere, p) / (2 * std::numbers::pi * (1 - 0.8)), 1, 1e-5);
+    EXPECT_NEAR(estimate_solid_angle(sphere_light({0, 3, 4}, 3), p) / (2 * std::numbers::pi * (1 - 0.8)), 1, 1e-5);
 }
 
 TEST(Sphere, SamplesLieOnItAndInTheConeOfDirections)
 {
-    LightRecord table;
-    table.kind = std::uint32_t(LightRecordKind::sphere);
-    put(table.position, {0, 3, 4});
-    const LightReader<false> light(&table, UInt(0u));
     for (float radius : {1e-3f, 0.5f, 4.9f}) {
-        table.radius = radius;
+        const LightRecord table = sphere_light({0, 3, 4}, double(radius));
+        const LightReader<false> light(&table, UInt(0u));
         test::Random random;
         for (int n = 0; n < 2000; n += lanes) {
             const LightSample s =
@@ -223,10 +247,7 @@ TEST(Sphere, IsSampledUniformlyInTheConeThatItFills)
     };
     for (const Case& c :
          {Case{{0, 3, 4}, 0.05}, {{0, 3, 4}, 3}, {{-2, 1, 0.5}, 2.28}, {{1, 0, 0}, 1.5}, {{0, 0, -1}, -4}}) {
-        LightRecord table;
-        table.kind = std::uint32_t(LightRecordKind::sphere);
-        put(table.position, c.center);
-        table.radius = float(c.radius);
+        const LightRecord table = sphere_light(c.center, c.radius);
         const double d = length(c.center), sin2 = c.radius * c.radius / (d * d);
         const bool outside = sin2 < 1;
         // 1 - cos of the cone, or 2 for all directions.
@@ -260,11 +281,7 @@ TEST(Sphere, IsSampledUniformlyInTheConeThatItFills)
 
 TEST(Sphere, IsSampledWhereItIsByThen)
 {
-    LightRecord table;
-    table.kind = std::uint32_t(LightRecordKind::sphere);
-    put(table.position, {0, 0, 4});
-    put(table.motion_or_center, {6, 2, 0});
-    table.radius = 0.5f;
+    const LightRecord table = sphere_light({0, 0, 4}, 0.5, {6, 2, 0});
     for (float time : {0.0f, 0.25f, 1.0f}) {
         const Vec3d center{6 * double(time), 2 * double(time), 4};
         const double d2 = dot(center, center), spread = 1 - std::sqrt(1 - 0.25 / d2);
@@ -282,15 +299,13 @@ TEST(FlatLights, AreSampledUniformlyByArea)
     const Vec3d corner{1, -1, 2}, u{2, 0.5, 0}, v{0.3, 1, 1}, n = cross(u, v), from{0.2, 0.1, -0.5};
     for (const LightRecordKind kind :
          {LightRecordKind::parallelogram, LightRecordKind::triangle, LightRecordKind::disk}) {
-        LightRecord table;
-        table.kind = std::uint32_t(kind);
-        table.flags = 1;
-        put(table.position, corner), put(table.edge_u, u), put(table.edge_v, v), put(table.normal, normalize(n));
-        table.radius = 0.75f;
+        const LightRecord table = kind == LightRecordKind::disk ? disk_light(corner, normalize(n), 0.75)
+                                  : kind == LightRecordKind::triangle
+                                      ? edges_light<TriangleLightRecord>(corner, u, v)
+                                      : edges_light<ParallelogramLightRecord>(corner, u, v);
         const double area = kind == LightRecordKind::disk       ? std::numbers::pi * 0.75 * 0.75
                             : kind == LightRecordKind::triangle ? length(n) / 2
                                                                 : length(n);
-        table.area = float(area);
         Vec3d s, t;
         perpendicular(normalize(n), s, t);
         constexpr int cells = 8;
@@ -326,18 +341,16 @@ TEST(FlatLights, AreSampledUniformlyByArea)
 /// Light arrives in front of a flat light only, unless it is two-sided.
 TEST(FlatLights, ShineToTheSideOfTheirNormal)
 {
-    for (const LightRecordKind kind :
-         {LightRecordKind::rectangle, LightRecordKind::parallelogram, LightRecordKind::triangle, LightRecordKind::disk})
+    const Vec3d corner{-1, -1, 0}, u{2, 0, 0}, v{0, 2, 0};
+    for (LightRecord table : {rectangle_light(corner, u, v), edges_light<ParallelogramLightRecord>(corner, u, v),
+                              edges_light<TriangleLightRecord>(corner, u, v), disk_light({0, 0, 0}, {0, 0, 1}, 1)})
         for (const bool two_sided : {false, true})
             for (const double far : {1.0, 10.0}) {
-                LightRecord table = rectangle_light({-1, -1, 0}, {2, 0, 0}, {0, 2, 0});
-                table.kind = std::uint32_t(kind);
-                if (kind == LightRecordKind::disk) put(table.position, {0, 0, 0}), table.radius = 1;
                 table.flags = two_sided;
                 for (const double side : {1.0, -1.0})
                     for_samples(table, {0.1, 0.2, side * far}, 0, 16, [&](Vec3d w, double, double inverse, double) {
                         EXPECT_LT(w.z * side, 0);
-                        EXPECT_EQ(inverse > 0, two_sided || side > 0) << int(kind) << " " << far;
+                        EXPECT_EQ(inverse > 0, two_sided || side > 0) << table.kind << " " << far;
                     });
             }
 }
@@ -350,10 +363,9 @@ LightSample sample_of(const LightRecord& table, Vec3d from)
 
 TEST(PointLight, FallsOffWithTheSquareOfTheDistance)
 {
-    LightRecord table;
-    table.kind = std::uint32_t(LightRecordKind::point);
-    table.flags = 1;
-    put(table.position, {1, 2, 3});
+    PointLightRecord point;
+    put(point.position, {1, 2, 3});
+    LightRecord table = light_of(point);
     for (int c = 0; c < channels; ++c) table.radiance[c] = float(c + 2);
     for (const Vec3d& from : {Vec3d{1, 2, 0}, {4, -2, 3}, {-7, 2.5, 9}}) {
         const LightSample s = sample_of(table, from);
@@ -372,12 +384,11 @@ TEST(PointLight, FallsOffWithTheSquareOfTheDistance)
 TEST(SpotLight, FallsOffBetweenItsCones)
 {
     const double inner = 0.4, outer = 0.9;
-    LightRecord table;
-    table.kind = std::uint32_t(LightRecordKind::spot);
-    table.flags = 1;
+    SpotLightRecord spot;
     const Vec3d axis = normalize(Vec3d{1, -2, 0.5});
-    put(table.edge_u, axis);
-    table.outer = float(1 - std::cos(outer)), table.falloff = float(std::cos(inner) - std::cos(outer));
+    put(spot.axis, axis);
+    spot.outer = float(1 - std::cos(outer)), spot.falloff = float(std::cos(inner) - std::cos(outer));
+    LightRecord table = light_of(spot);
     for (float& r : table.radiance) r = 3;
     Vec3d s, t;
     perpendicular(axis, s, t);
@@ -392,14 +403,13 @@ TEST(SpotLight, FallsOffBetweenItsCones)
 
 TEST(BeamLight, ShinesAlongItsNormalOnly)
 {
-    LightRecord table;
-    table.kind = std::uint32_t(LightRecordKind::beam);
-    table.flags = 1;
-    put(table.position, {1, 2, 3});
-    put(table.edge_u, {2, 0, 0}), put(table.edge_v, {1, 1, 0}), put(table.normal, {0, 0, -1});
-    for (float& r : table.radiance) r = 7;
+    BeamLightRecord beam;
+    put(beam.center, {1, 2, 3});
+    put(beam.half_u, {2, 0, 0}), put(beam.half_v, {1, 1, 0}), put(beam.axis, {0, 0, -1});
     for (const bool round : {false, true}) {
-        table.radius = round;
+        beam.is_round = round;
+        LightRecord table = light_of(beam);
+        for (float& r : table.radiance) r = 7;
         for (const double x : {-1.01, -0.99, -0.5, 0.0, 0.55, 0.9, 1.01})
             for (const double y : {-1.2, -0.8, 0.1, 0.7, 0.99})
                 for (const double z : {3.0, 0.25, 1e-3, -0.5}) {
@@ -418,10 +428,9 @@ TEST(BeamLight, ShinesAlongItsNormalOnly)
 TEST(DirectionalLight, ComesFromOneDirectionOrADisk)
 {
     const Vec3d travels = normalize(Vec3d{1, -2, 0.5});
-    LightRecord table;
-    table.kind = std::uint32_t(LightRecordKind::directional);
-    table.flags = 1;
-    put(table.edge_u, travels);
+    DirectionalLightRecord sun;
+    put(sun.axis, travels);
+    LightRecord table = light_of(sun);
     for (float& r : table.radiance) r = 7;
     for (const Vec3d& from : {Vec3d{0, 0, 0}, {100, 5, -3}}) {
         const LightSample s = sample_of(table, from);
@@ -432,7 +441,8 @@ TEST(DirectionalLight, ComesFromOneDirectionOrADisk)
         EXPECT_TRUE(first(s.is_delta));
     }
     // A disk: directions are uniform within its cone, so inverse_pdf is the solid angle.
-    table.radius = 0.2f;  // radius holds 1 - cos of the disk's half angle
+    sun.one_minus_cos = 0.2f;
+    table.set(sun);
     Vec3d s, t;
     perpendicular(-travels, s, t);
     constexpr int rings = 8, sectors = 8;
@@ -453,13 +463,10 @@ TEST(DirectionalLight, ComesFromOneDirectionOrADisk)
 
 TEST(Sphere, FromInsideEveryDirectionIsAlikeAndTheRightSideShows)
 {
-    LightRecord table;
-    table.kind = std::uint32_t(LightRecordKind::sphere);
-    table.radius = -10;  // a negative radius emits inwards
-    const LightReader<false> light(&table, UInt(0u));
-    EXPECT_NEAR(estimate_solid_angle(table, Vec3(Float(1), Float(2), Float(3))), 4 * std::numbers::pi, 1e-3);
-    table.radius = 10;  // emits outwards only, so it is dark inside
-    EXPECT_EQ(estimate_solid_angle(table, Vec3(Float(1), Float(2), Float(3))), 0);
+    const Vec3 inside(Float(1), Float(2), Float(3));
+    // A negative radius emits inwards.
+    EXPECT_NEAR(estimate_solid_angle(sphere_light({}, -10), inside), 4 * std::numbers::pi, 1e-3);
+    EXPECT_EQ(estimate_solid_angle(sphere_light({}, 10), inside), 0);
 }
 
 }  // namespace

@@ -39,50 +39,111 @@ private:
 
 constexpr double close_time = 0.5;
 
+template <class Own>
+LightRecord edges_light(Vec3d corner, Vec3d u, Vec3d v)
+{
+    Own own;
+    put(own.corner, corner), put(own.edge_u, u), put(own.edge_v, v), put(own.flat.normal, normalize(cross(u, v)));
+    own.flat.area = float(length(cross(u, v)) * (std::is_same_v<Own, TriangleLightRecord> ? 0.5 : 1));
+    LightRecord l;
+    l.set(own);
+    return l;
+}
+
+double area_of(const LightRecord& l)
+{
+    return double(l.is<SphereLightRecord>() ? l.get<SphereLightRecord>().area : l.get<FlatLightRecord>().area);
+}
+
+/// Sets the record of a random kind, at p and with its normal along n if it has one.
+void set_random_kind(LightRecord& l, RandomNumbers& chance, Vec3d p, Vec3d n, double size)
+{
+    const Vec3d u = normalize(cross(n, chance.direction())), v = cross(n, u);
+    const double a = size * chance(0.2, 1), b = size * chance(0.2, 1), slant = chance(-0.5, 0.5);
+    switch (LightRecordKind(l.kind)) {
+        case LightRecordKind::rectangle: {
+            RectangleLightRecord r;
+            put(r.corner, p), put(r.u, u), put(r.v, v), put(r.flat.normal, n);
+            r.length_u = float(a), r.length_v = float(b), r.flat.area = float(a * b);
+            r.diagonal = float(std::hypot(a, b));
+            put(r.center, p + (u * a + v * b) * 0.5);
+            return l.set(r);
+        }
+        case LightRecordKind::parallelogram:
+        case LightRecordKind::triangle: {
+            const Vec3d w = v * b + u * (b * slant);
+            const bool triangle = l.is<TriangleLightRecord>();
+            l.own = (triangle ? edges_light<TriangleLightRecord>(p, u * a, w)
+                              : edges_light<ParallelogramLightRecord>(p, u * a, w))
+                        .own;
+            return;
+        }
+        case LightRecordKind::sphere: {
+            SphereLightRecord s;
+            put(s.center, p);
+            s.radius = float(l.flags || chance.flip() ? a : -a);
+            s.area = float(4 * std::numbers::pi * a * a);
+            put(s.velocity, chance.flip() ? chance.direction() * size * 4 : Vec3d{});
+            return l.set(s);
+        }
+        case LightRecordKind::disk: {
+            DiskLightRecord d;
+            put(d.center, p), put(d.flat.normal, n);
+            d.radius = float(a), d.flat.area = float(std::numbers::pi * a * a);
+            return l.set(d);
+        }
+        case LightRecordKind::point: {
+            PointLightRecord point;
+            put(point.position, p);
+            l.flags = 1;
+            return l.set(point);
+        }
+        default: {
+            SpotLightRecord spot;
+            put(spot.position, p), put(spot.axis, n);
+            const double outer = chance(0.05, 2.5);
+            spot.outer = float(1 - std::cos(outer));
+            spot.falloff = float(spot.outer * float(chance(0, 1)));
+            l.flags = 1;
+            return l.set(spot);
+        }
+    }
+}
+
+/// A point of the light and its normal or axis, if it has one.
+struct Place {
+    Vec3d at, normal;
+};
+Place place_of(const LightRecord& l)
+{
+    const auto vector = [](const float* v) { return Vec3d{double(v[0]), double(v[1]), double(v[2])}; };
+    const Vec3d normal = vector(l.get<FlatLightRecord>().normal);
+    switch (LightRecordKind(l.kind)) {
+        case LightRecordKind::sphere:
+            return {vector(l.get<SphereLightRecord>().center), {}};
+        case LightRecordKind::point:
+            return {vector(l.get<PointLightRecord>().position), {}};
+        case LightRecordKind::spot:
+            return {vector(l.get<SpotLightRecord>().position), vector(l.get<SpotLightRecord>().axis)};
+        case LightRecordKind::disk:
+            return {vector(l.get<DiskLightRecord>().center), normal};
+        default:  // flat kinds with a corner
+            return {vector(l.get<TriangleLightRecord>().corner), normal};
+    }
+}
+
 /// A light of any kind, with its power as estimated by the light compiler.
 LightRecord random_light(RandomNumbers& chance, double room, double size, double& power)
 {
     constexpr double pi = std::numbers::pi;
     LightRecord l;
-    const auto kind = LightRecordKind(std::uint32_t(chance(0, 7)));
-    l.kind = std::uint32_t(kind);
+    l.kind = std::uint32_t(chance(0, 7));
     l.flags = chance.flip();
     for (float& r : l.radiance) r = float(chance(0.5, 2));
-    put(l.position, chance.point(room));
-    const Vec3d n = chance.direction(), u = normalize(cross(n, chance.direction())), v = cross(n, u);
-    const double a = size * chance(0.2, 1), b = size * chance(0.2, 1), slant = chance(-0.5, 0.5);
-    put(l.normal, n);
-    switch (kind) {
-        case LightRecordKind::rectangle:
-            put(l.edge_u, u), put(l.edge_v, v);
-            l.length_u = float(a), l.length_v = float(b), l.area = float(a * b), l.radius = float(std::hypot(a, b));
-            for (int i = 0; i < 3; ++i)
-                l.motion_or_center[i] = l.position[i] + (l.edge_u[i] * l.length_u + l.edge_v[i] * l.length_v) / 2;
-            break;
-        case LightRecordKind::parallelogram:
-        case LightRecordKind::triangle:
-            put(l.edge_u, u * a), put(l.edge_v, v * b + u * (b * slant));
-            l.area = float(kind == LightRecordKind::triangle ? a * b / 2 : a * b);
-            break;
-        case LightRecordKind::sphere:
-            l.radius = float(l.flags || chance.flip() ? a : -a);
-            l.area = float(4 * pi * a * a);
-            put(l.motion_or_center, chance.flip() ? chance.direction() * size * 4 : Vec3d{});
-            break;
-        case LightRecordKind::disk:
-            l.radius = float(a), l.area = float(pi * a * a);
-            break;
-        default: {
-            l.flags = 1;
-            put(l.edge_u, n);
-            const double outer = chance(0.05, 2.5);
-            l.outer = float(1 - std::cos(outer));
-            l.falloff = float(l.outer * float(chance(0, 1)));
-            power = double(l.radiance[0]) * 4 * pi;
-            return l;
-        }
-    }
-    power = double(l.radiance[0]) * double(l.area) * pi * (l.flags ? 2 : 1);
+    const Vec3d p = chance.point(room), n = chance.direction();
+    set_random_kind(l, chance, p, n, size);
+    const bool has_area = !l.is<PointLightRecord>() && !l.is<SpotLightRecord>();
+    power = double(l.radiance[0]) * pi * (has_area ? area_of(l) * (l.flags ? 2 : 1) : 4);
     return l;
 }
 
@@ -191,11 +252,8 @@ TEST(LightTree, FrequencyMatchesProbabilityWithoutContribution)
     for (const std::uint32_t n : {11u, 300u}) {
         Lamps lamps(n, n, 1);
         for (LightRecord& l : lamps.tables.lights) {
-            l = {};
-            l.kind = std::uint32_t(LightRecordKind::triangle);
-            put(l.position, RandomNumbers(unsigned(&l - lamps.tables.lights.data())).point(1));
-            put(l.normal, {0, 0, 1}), put(l.edge_u, {0.1, 0, 0}), put(l.edge_v, {0, 0.1, 0});
-            l.area = 0.005f;
+            const Vec3d corner = RandomNumbers(unsigned(&l - lamps.tables.lights.data())).point(1);
+            l = edges_light<TriangleLightRecord>(corner, {0.1, 0, 0}, {0, 0.1, 0});
         }
         build_light_tree(lamps.tables, std::vector<double>(n, 1), 0, 0);
         expect_as_often_as_probable(lamps, LightSelector(lamps.tables, LightSelection::tree), n, as_lanes({0, 0, -50}),
@@ -265,8 +323,7 @@ TEST(LightTree, WhateverShinesMayBeSelected)
             for (std::uint32_t i = 0; i < n; ++i)
                 for (int k = 0; k < 8; ++k) {
                     const LightRecord& l = lamps.tables.lights[i];
-                    const Vec3d at{double(l.position[0]), double(l.position[1]), double(l.position[2])},
-                        normal{double(l.normal[0]), double(l.normal[1]), double(l.normal[2])};
+                    const auto [at, normal] = place_of(l);
                     Vec3d p = k < 2 ? chance.point(20) : at + chance.point(k < 5 ? 0.3 : 5);
                     // Half of the points are slightly in front of the light's plane.
                     if (k % 2) p = p - normal * (dot(p - at, normal) - 1e-4);
@@ -291,27 +348,29 @@ TEST(LightTree, BallsHoldWhatMoves)
 {
     const Lamps lamps(5, 100, 1);
     for (const LightRecord& l : lamps.tables.lights) {
-        if (l.kind != std::uint32_t(LightRecordKind::sphere)) continue;
+        if (!l.is<SphereLightRecord>()) continue;
+        const auto sphere = l.get<SphereLightRecord>();
         const LightNode& n = lamps.tables.light_tree[l.tree_place / LightNode::width];
         const std::size_t slot = l.tree_place % LightNode::width;
         for (const double time : {0.0, 0.2, close_time}) {
             const auto away = [&](int i, const LightNode::Column& middle) {
-                return double(l.position[i]) + double(l.motion_or_center[i]) * time - double(middle[slot]);
+                return double(sphere.center[i]) + double(sphere.velocity[i]) * time - double(middle[slot]);
             };
-            EXPECT_LE(std::hypot(away(0, n.x), away(1, n.y), away(2, n.z)) + std::abs(double(l.radius)),
+            EXPECT_LE(std::hypot(away(0, n.x), away(1, n.y), away(2, n.z)) + std::abs(double(sphere.radius)),
                       double(n.radius[slot]));
         }
     }
 }
 
-/// Irradiance of a surface point from the center of a flat, one-sided light.
-double irradiance(const LightRecord& l, Vec3d p, Vec3d n)
+/// Irradiance of a surface point from the center of a one-sided triangle.
+double irradiance(const LightRecord& light, Vec3d p, Vec3d n)
 {
+    const auto l = light.get<TriangleLightRecord>();
     const auto vector = [](const float* v) { return Vec3d{double(v[0]), double(v[1]), double(v[2])}; };
-    const Vec3d d = vector(l.position) + (vector(l.edge_u) + vector(l.edge_v)) * (1.0 / 3) - p;
+    const Vec3d d = vector(l.corner) + (vector(l.edge_u) + vector(l.edge_v)) * (1.0 / 3) - p;
     const double distance2 = dot(d, d);
-    const double cosines = std::max(dot(d, n), 0.0) * std::max(-dot(d, vector(l.normal)), 0.0) / distance2;
-    return double(l.area) * cosines / distance2;
+    const double cosines = std::max(dot(d, n), 0.0) * std::max(-dot(d, vector(l.flat.normal)), 0.0) / distance2;
+    return double(l.flat.area) * cosines / distance2;
 }
 
 /// Triangles of random sizes in a room, as in bench/many_lights.py.
@@ -322,14 +381,11 @@ Lamps triangles(unsigned seed, std::uint32_t n)
     std::vector<double> powers(n);
     double sum = 0, running = 0;
     for (std::uint32_t i = 0; i < n; ++i) {
-        LightRecord& l = lamps.tables.lights[i] = {};
         const Vec3d m = chance.direction(), u = normalize(cross(m, chance.direction()));
         const double size = 0.1 * std::pow(100, chance(-1, 0));
-        l.kind = std::uint32_t(LightRecordKind::triangle);
-        put(l.position, {chance(-5, 5), chance(0.1, 4), chance(-5, 5)});
-        put(l.normal, m), put(l.edge_u, u * size), put(l.edge_v, cross(m, u) * size);
-        l.area = float(size * size / 2);
-        sum += powers[i] = double(l.area);
+        const Vec3d corner{chance(-5, 5), chance(0.1, 4), chance(-5, 5)};
+        lamps.tables.lights[i] = edges_light<TriangleLightRecord>(corner, u * size, cross(m, u) * size);
+        sum += powers[i] = area_of(lamps.tables.lights[i]);
     }
     for (std::uint32_t i = 0; i < n; ++i) {
         running += powers[i];
@@ -395,10 +451,11 @@ TEST(LightTree, NarrowLightsAreChosenWhereTheyReach)
         const std::vector<double> powers(n, 1);
         for (std::uint32_t i = 0; i < n; ++i) {
             LightRecord& l = tables.lights.emplace_back();
-            l.kind = std::uint32_t(LightRecordKind::beam);
-            put(l.position, {1.5 * i, 0, 0});
-            put(l.edge_u, {0.25, 0, 0}), put(l.edge_v, {0, 0, 0.25}), put(l.normal, {0, 1, 0});
-            l.area = 0.25f;
+            BeamLightRecord beam;
+            put(beam.center, {1.5 * i, 0, 0});
+            put(beam.half_u, {0.25, 0, 0}), put(beam.half_v, {0, 0, 0.25}), put(beam.axis, {0, 1, 0});
+            beam.area = 0.25f;
+            l.set(beam);
             l.pmf = 1 / float(n);
         }
         for (std::uint32_t i = 0; i <= n; ++i) tables.light_cdf.push_back(float(i) / float(n));
