@@ -3,6 +3,7 @@
 
 #include "fathom/error.h"
 #include "made_film.h"
+#include "support/film_contents.h"
 
 // Films filled with known sums.
 namespace fathom {
@@ -144,7 +145,7 @@ TEST(FilmMerge, AddsSumsAndKeepsIdsOfTheFirstSample)
         EXPECT_EQ(words[ids], p % 2 ? 1u : 3u);
         EXPECT_EQ(words[ids + 1], (p % 2 ? 100u : 200u) + p);
     }
-    EXPECT_EQ(a.dropped_samples(), 5u);
+    EXPECT_EQ(a.invalid_samples(), 5u);
     EXPECT_EQ(a.samples(), (std::vector<SampleRange>{{0, 5}}));
 }
 
@@ -165,28 +166,28 @@ TEST(FilmMerge, InPiecesIsTheSame)
         }
     }
     own.data().dropped = 2;
-    own.data().dropped_sample = Film::SampleLocation{1, 1, 4};
+    own.data().invalid_sample = Film::SampleLocation{1, 1, 4};
     whole.merge(own);
 
-    pieces.begin_merge(own.key(), own.samples(), own.dropped_samples(), own.dropped_sample());
-    const auto words = std::size_t(own.words_per_pixel());
-    for (std::size_t p = pixels; p-- > 0;) pieces.merge_words(p, own.words() + p * words, 1);
-    EXPECT_EQ(pieces.sums().words, whole.sums().words);
+    begin_merge(pieces, own.key(), own.samples(), own.invalid_samples(), own.invalid_sample());
+    const auto words = std::size_t(words_per_pixel(own));
+    for (std::size_t p = pixels; p-- > 0;) merge_words(pieces, p, film_words(own) + p * words, 1);
+    EXPECT_EQ(test::words_of(pieces), test::words_of(whole));
     EXPECT_EQ(pieces.samples(), (std::vector<SampleRange>{{0, 5}}));
-    EXPECT_EQ(pieces.dropped_samples(), 2u);
-    ASSERT_TRUE(pieces.dropped_sample());
-    EXPECT_EQ(pieces.dropped_sample()->sample, 4u);
+    EXPECT_EQ(pieces.invalid_samples(), 2u);
+    ASSERT_TRUE(pieces.invalid_sample());
+    EXPECT_EQ(pieces.invalid_sample()->sample, 4u);
 
     // Merging partial sums of two films equals merging both films.
-    std::vector<std::uint32_t> passing(own.words(), own.words() + pixels * words);
+    std::vector<std::uint32_t> passing = test::words_of(own);
     Film start = test::made_film(settings), twice = test::made_film(settings);
-    own.add_words(own.words(), passing.data(), pixels);
-    twice.merge_words(0, passing.data(), pixels);
-    for (int i = 0; i < 2; ++i) start.merge_words(0, own.words(), pixels);
-    EXPECT_EQ(twice.sums().words, start.sums().words);
+    add_words(own, film_words(own), passing.data(), pixels);
+    merge_words(twice, 0, passing.data(), pixels);
+    for (int i = 0; i < 2; ++i) merge_words(start, 0, film_words(own), pixels);
+    EXPECT_EQ(test::words_of(twice), test::words_of(start));
 
-    EXPECT_THROW(pieces.begin_merge(own.key(), own.samples(), 0, {}), Error) << "they are there already";
-    EXPECT_THROW(pieces.begin_merge(test::made_film(settings_with({}, true)).key(), {{8, 9}}, 0, {}), Error);
+    EXPECT_THROW(begin_merge(pieces, own.key(), own.samples(), 0, {}), Error) << "they are there already";
+    EXPECT_THROW(begin_merge(pieces, test::made_film(settings_with({}, true)).key(), {{8, 9}}, 0, {}), Error);
 }
 
 /// Settings that change the bits of an image prevent merging.
@@ -214,25 +215,18 @@ TEST(FilmMerge, RefusesOtherSettings)
     EXPECT_NO_THROW(test::made_film(settings).merge(test::made_film(same)));
 }
 
-TEST(FilmSums, ComeBackWithTheirSettings)
+TEST(FilmKey, ComesBackFromItsText)
 {
     RenderSettings settings = settings_with({Aov::material_id, Aov::normal}, true);
     settings.filter = Filter::tent;
     settings.filter_radius = 1.3;
-    Film film = test::made_film(settings);
-    film.data().add_range({4, 9});
-    add_radiance(film, 3, 1, 0.5, 0.25);
-    add_other(film, 3, film.data().layout.normal, 0.5);
-    const Film again = Film::from_sums(film.sums());
-    EXPECT_EQ(again.sums().words, film.sums().words);
-    EXPECT_EQ(again.sums().key, film.sums().key);
-    EXPECT_EQ(again.key().settings.filter, Filter::tent);
-    EXPECT_EQ(again.key().settings.filter_radius, 1.3);
-    EXPECT_EQ(again.samples(), film.samples());
-    EXPECT_EQ(again.image(true, false).find("normal")->pixels, film.image(true, false).find("normal")->pixels);
-    Film::Sums wrong = film.sums();
-    wrong.words_per_pixel += 3;
-    EXPECT_THROW(Film::from_sums(wrong), Error);
+    const FilmKey key = test::made_film(settings).key();
+    const FilmKey again = FilmKey::parse(key.text());
+    EXPECT_EQ(again.text(), key.text());
+    EXPECT_EQ(again.settings.aovs, settings.aovs);
+    EXPECT_EQ(again.settings.filter, Filter::tent);
+    EXPECT_EQ(again.settings.filter_radius, 1.3);
+    EXPECT_TRUE(again.settings.alpha);
 }
 
 }  // namespace

@@ -271,7 +271,7 @@ private:
         }
         const bool may_be_flux = light.kind == LightKind::projector || light.kind == LightKind::goniometric;
         if (may_be_flux && light.intensity_is_flux) json["unit"] = "lm";
-        const LightPicture& picture = light.picture;
+        const LightImage& picture = light.picture;
         if (picture.image < 0 || !(may_be_flux || light.kind == LightKind::spot)) return json;
         json["image"] = images_[std::size_t(picture.image)];
         if (picture.color_space != ColorSpace::srgb)

@@ -104,7 +104,7 @@ ClosureKind closure_of(const Material& m)
 bool is_solid(const Material& m, ClosureKind closure)
 {
     // Sheets of glass with attenuation enclose a medium though they are thin.
-    if (m.thin) return m.kind == MaterialKind::glass && m.attenuation_distance > 0;
+    if (m.interior.thin) return m.kind == MaterialKind::glass && m.interior.attenuation_distance > 0;
     return closure == ClosureKind::glass || closure == ClosureKind::layered_transmitting ||
            closure == ClosureKind::disney_transmitting;
 }
@@ -125,17 +125,17 @@ void set_number(const FloatInput& from, float& value, std::uint32_t& texture, st
 /// Hair keeps its parameters in members that other closures use for something else: see MaterialRecord.
 void compile_hair(const Material& m, MaterialRecord& t)
 {
-    set_number(m.beta_m, t.roughness, t.roughness_texture, t.roughness_channel);
-    set_number(m.beta_n, t.metallic, t.metallic_texture, t.metallic_channel);
-    t.fuzz = float(m.scale_tilt);
-    t.ior = m.hair_ior;
+    set_number(m.hair.beta_m, t.roughness, t.roughness_texture, t.roughness_channel);
+    set_number(m.hair.beta_n, t.metallic, t.metallic_texture, t.metallic_channel);
+    t.fuzz = float(m.hair.scale_tilt);
+    t.ior = m.hair.ior;
     t.flags |= MaterialRecord::needs_tangent;
-    Color absorbed = m.absorption.value;
-    int texture = m.absorption.texture;
+    Color absorbed = m.hair.absorption.value;
+    int texture = m.hair.absorption.texture;
     const auto is_there = [&] { return absorbed.r > 0 || absorbed.g > 0 || absorbed.b > 0; };
     if (!is_there()) {
         // d'Eon et al. 2011, "An Energy-Conserving Hair Reflectance Model", 6.1.
-        const float e = m.eumelanin, p = m.pheomelanin;
+        const float e = m.hair.eumelanin, p = m.hair.pheomelanin;
         absorbed = {0.419f * e + 0.187f * p, 0.697f * e + 0.4f * p, 1.37f * e + 1.05f * p};
         texture = -1;
     }
@@ -170,7 +170,7 @@ void compile_measured_tables(Compiler& c)
 /// map would bend only the reflection, and is rare on such glass.
 bool is_pane(const Material& m, const MaterialRecord& t)
 {
-    return t.closure == ClosureKind::glass && m.thin && t.roughness == 0 && t.roughness_texture == no_index &&
+    return t.closure == ClosureKind::glass && m.interior.thin && t.roughness == 0 && t.roughness_texture == no_index &&
            t.normal_texture == no_index && !(t.flags & MaterialRecord::bumped);
 }
 
@@ -208,14 +208,14 @@ MaterialRecord compile_material(Compiler& c, const Material& m)
     t.base_color = spectrum(m.base_color.value);
     t.base_texture = texture_id(m.base_color.texture);
     if (t.closure == ClosureKind::glass) {
-        t.base_color = spectrum(m.transmission_color.value);
-        t.base_texture = texture_id(m.transmission_color.texture);
+        t.base_color = spectrum(m.transmission.color.value);
+        t.base_texture = texture_id(m.transmission.color.texture);
     }
-    if (m.kind == MaterialKind::glass || m.kind == MaterialKind::plastic) set_tint(m.specular_color, t);
-    if (m.thin) t.flags |= MaterialRecord::thin;
-    if (m.thin && m.kind == MaterialKind::glass) t.flags |= MaterialRecord::sheet;
-    t.emission = spectrum(m.emission.value);
-    t.emission_texture = texture_id(m.emission.texture);
+    if (m.kind == MaterialKind::glass || m.kind == MaterialKind::plastic) set_tint(m.specular.color, t);
+    if (m.interior.thin) t.flags |= MaterialRecord::thin;
+    if (m.interior.thin && m.kind == MaterialKind::glass) t.flags |= MaterialRecord::sheet;
+    t.emission = spectrum(m.emission.radiance.value);
+    t.emission_texture = texture_id(m.emission.radiance.texture);
     if (m.kind == MaterialKind::unlit) {
         t.emission = t.base_color;
         t.emission_texture = t.base_texture;
@@ -228,38 +228,40 @@ MaterialRecord compile_material(Compiler& c, const Material& m)
     if (m.kind == MaterialKind::hair) compile_hair(m, t);
     if (m.kind == MaterialKind::measured) compile_measured(c, m, t);
     if (m.kind == MaterialKind::plastic) {
-        t.fuzz = m.optical_thickness;
-        t.metallic = float(internal_absorption(std::max(m.ior, 1.001f), m.optical_thickness));
-        if (m.inner_reflectance >= 0) t.metallic = -std::max(m.inner_reflectance, 1e-6f);
+        t.fuzz = m.plastic.optical_thickness;
+        t.metallic = float(internal_absorption(std::max(m.ior, 1.001f), m.plastic.optical_thickness));
+        if (m.plastic.inner_reflectance >= 0) t.metallic = -std::max(m.plastic.inner_reflectance, 1e-6f);
     }
-    t.normal_texture = texture_id(m.normal_texture);
-    t.normal_scale = m.normal_scale;
+    t.normal_texture = texture_id(m.normal_map.texture);
+    t.normal_scale = m.normal_map.scale;
     if (m.bump.texture >= 0) {
         t.flags |= MaterialRecord::bumped;
         t.bump = {float(m.bump.value * c.space.scale), texture_id(m.bump.texture), std::uint32_t(m.bump.channel)};
     }
-    t.alpha = m.alpha.value;
-    t.alpha_texture = texture_id(m.alpha.texture);
-    t.alpha_channel = std::uint32_t(m.alpha.channel);
-    t.alpha_cutoff = m.alpha_cutoff;
-    t.alpha_mode = std::uint32_t(m.alpha_mode);
+    t.alpha = m.opacity.alpha.value;
+    t.alpha_texture = texture_id(m.opacity.alpha.texture);
+    t.alpha_channel = std::uint32_t(m.opacity.alpha.channel);
+    t.alpha_cutoff = m.opacity.cutoff;
+    t.alpha_mode = std::uint32_t(m.opacity.mode);
     if (is_pane(m, t)) t.flags |= MaterialRecord::pane;
     if (is_solid(m, t.closure)) {
-        if (m.kind == MaterialKind::principled && m.subsurface.value > 0) t.subsurface_medium = subsurface_medium(c, m);
-        const bool only_subsurface =
-            t.subsurface_medium != 0 && !(m.transmission.value > 0) && !(m.diffuse_transmission.value > 0);
+        if (m.kind == MaterialKind::principled && m.subsurface.weight.value > 0)
+            t.subsurface_medium = subsurface_medium(c, m);
+        const bool only_subsurface = t.subsurface_medium != 0 && !(m.transmission.weight.value > 0) &&
+                                     !(m.diffuse_transmission.weight.value > 0);
         if (is_open_boundary(t)) t.flags |= MaterialRecord::index_matched_boundary;
         const bool is_index_matched = (t.flags & (MaterialRecord::index_matched_boundary | MaterialRecord::thin)) != 0;
         t.medium = only_subsurface ? t.subsurface_medium : volume_medium(c, m, is_index_matched);
     }
-    if (m.single_sided && !is_solid(m, t.closure)) t.flags |= MaterialRecord::single_sided;
-    if (m.hidden_from_camera) t.flags |= MaterialRecord::hidden_from_camera;
-    if (m.invisible_light) make_invisible(t);
-    if (m.one_sided && t.closure != ClosureKind::none && !t.has_inside()) t.flags |= MaterialRecord::one_sided;
-    if (m.beckmann) t.flags |= MaterialRecord::beckmann;
-    if (m.separable) t.flags |= MaterialRecord::separable;
-    if (m.energy_compensation) t.flags |= MaterialRecord::compensated;
-    if (m.nonlinear) t.flags |= MaterialRecord::nonlinear;
+    if (m.visibility.camera_backface_culling && !is_solid(m, t.closure)) t.flags |= MaterialRecord::single_sided;
+    if (m.visibility.hidden_from_camera) t.flags |= MaterialRecord::hidden_from_camera;
+    if (m.visibility.invisible_light) make_invisible(t);
+    if (m.visibility.black_back && t.closure != ClosureKind::none && !t.has_inside())
+        t.flags |= MaterialRecord::one_sided;
+    if (m.microfacets.beckmann) t.flags |= MaterialRecord::beckmann;
+    if (m.microfacets.separable_masking) t.flags |= MaterialRecord::separable;
+    if (m.microfacets.energy_compensation) t.flags |= MaterialRecord::compensated;
+    if (m.plastic.nonlinear) t.flags |= MaterialRecord::nonlinear;
     if (m.use_vertex_color) t.flags |= MaterialRecord::vertex_colored;
     if (t.base_texture != no_index || t.roughness_texture != no_index || t.metallic_texture != no_index ||
         m.use_vertex_color)
@@ -267,7 +269,7 @@ MaterialRecord compile_material(Compiler& c, const Material& m)
     if (t.emission_texture != no_index || t.closure == ClosureKind::hair) t.flags |= MaterialRecord::needs_uv;
     if (t.normal_texture != no_index) t.flags |= MaterialRecord::normal_mapped | MaterialRecord::needs_tangent;
     if (std::max({t.emission[0], t.emission[1], t.emission[2]}) > 0) t.flags |= MaterialRecord::emits;
-    if (m.emission_two_sided || m.kind == MaterialKind::unlit) t.flags |= MaterialRecord::two_sided_emission;
+    if (m.emission.two_sided || m.kind == MaterialKind::unlit) t.flags |= MaterialRecord::two_sided_emission;
     if (t.closure == ClosureKind::layered || t.closure == ClosureKind::layered_transmitting) {
         t.layers = std::uint32_t(c.tables.layers.size());
         c.tables.layers.push_back(compile_layers(m, c.space.scale));
@@ -277,8 +279,8 @@ MaterialRecord compile_material(Compiler& c, const Material& m)
         if (features & LayersRecord::textured) t.flags |= MaterialRecord::needs_uv;
     }
     if (m.map_tangents && (t.flags & MaterialRecord::needs_tangent) != 0 &&
-        (has_other_tangents(c, m.normal_texture) || has_other_tangents(c, m.coat_normal_texture) ||
-         has_other_tangents(c, m.anisotropy_texture)))
+        (has_other_tangents(c, m.normal_map.texture) || has_other_tangents(c, m.coat.normal_texture) ||
+         has_other_tangents(c, m.microfacets.anisotropy_texture)))
         t.flags |= MaterialRecord::map_tangents;
     if (m.kind == MaterialKind::disney) {
         t.disney = std::uint32_t(c.tables.disney.size());
@@ -297,10 +299,11 @@ void propagate_mixture_flags(Compiler& c, std::size_t index)
     if (m.kind != MaterialKind::mix && m.kind != MaterialKind::two_sided) return;
     if (c.tables.materials[index].mixture != no_index) return;
     MixtureRecord mixture;
-    mixture.first = std::uint32_t(m.material_a), mixture.second = std::uint32_t(m.material_b);
+    mixture.first = std::uint32_t(m.mixture.material_a), mixture.second = std::uint32_t(m.mixture.material_b);
     mixture.by_side = m.kind == MaterialKind::two_sided;
     if (m.kind == MaterialKind::mix)
-        mixture.factor = {m.factor.value, texture_id(m.factor.texture), std::uint32_t(m.factor.channel)};
+        mixture.factor = {m.mixture.factor.value, texture_id(m.mixture.factor.texture),
+                          std::uint32_t(m.mixture.factor.channel)};
     MaterialRecord& t = c.tables.materials[index];
     t.mixture = std::uint32_t(c.tables.mixtures.size());
     c.tables.mixtures.push_back(mixture);
