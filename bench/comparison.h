@@ -19,7 +19,7 @@ struct Options {
     std::vector<Source> meshes;
     int threads = 1, runs = 5;
     std::size_t parts = 1;
-    TreeBuild build = TreeBuild::standard;
+    BvhQuality build = BvhQuality::standard;
     bool robust = true, details = false, with_embree = true;
     bool motion = false, instances = false, trees = false;
     std::string kind;   ///< kind of rays; empty: all

@@ -76,7 +76,7 @@ int main(int argc, char** argv)
     d.textures.resize(1);
     d.textures[0].image = 0;
     if (displaced) {
-        d.materials[0].displacement = {0.05f, 0, 0};
+        d.materials[0].displacement.height = {0.05f, 0, 0};
         d.nodes[0].shapes.push_back({Rectangle{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, 0, ""});
     } else {
         d.meshes.push_back(grid(texels));

@@ -10,7 +10,7 @@
 #include <cstdlib>
 #include <vector>
 
-#include "fathom/edit.h"
+#include "fathom/editable_scene.h"
 
 namespace {
 
@@ -96,7 +96,7 @@ int main(int argc, char** argv)
     for (Mesh& mesh : still.meshes) mesh.movable = false;
     for (Node& node : still.nodes) node.movable = false;
     still.environment.kind = d.environment.kind = EnvironmentKind::constant;
-    SceneEdit edit(d);
+    EditableScene edit(d);
     edit.compile(warnings);
     for (int round = 0; round < 7; ++round) {
         slower.push_back(render_milliseconds(d) / render_milliseconds(still));

@@ -72,7 +72,7 @@ int run(const char* file, int width, int height, int times)
     half.exr_half = true;
     for (int i = 0; i < times; ++i) {
         Image picture;
-        measure("picture", [&] { picture = film.picture(true); });
+        measure("picture", [&] { picture = film.beauty(true); });
         measure("copy", [&] { snapshot.take(film, picture, half); });
         measure("write", [&] { snapshot.write(file); });
         measure("read", [&] { FilmFile(file).read(); });

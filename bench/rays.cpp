@@ -67,10 +67,10 @@ int run_all(int argc, char** argv)
             options.parts = std::stoul(value());
         else if (arg == "--build") {
             const std::string level = value();
-            const std::string_view levels[] = {"fast", "standard", "high", "compact"};  // in the order of TreeBuild
+            const std::string_view levels[] = {"fast", "standard", "high", "compact"};  // in the order of BvhQuality
             const auto found = std::find(std::begin(levels), std::end(levels), level);
             if (found == std::end(levels)) throw std::runtime_error("--build: known are fast, standard, high, compact");
-            options.build = TreeBuild(found - std::begin(levels));
+            options.build = BvhQuality(found - std::begin(levels));
         } else if (arg == "--not-robust")
             options.robust = false;
         else if (arg == "--ours-only")

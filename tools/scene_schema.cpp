@@ -49,7 +49,7 @@ Json type_of(const Parameter<Owner>& p, Member member, Json& value)
     } else if constexpr (std::is_same_v<Member, MaterialReference<Owner>>) {
         return {{"oneOf", {{{"type", "string"}}, reference("material")}}};
     } else {
-        const auto& out = made.*member;
+        const auto& out = member(made);
         using T = std::decay_t<decltype(out)>;
         if (!p.words.empty()) {
             for (const char* word : p.words) json["enum"].push_back(word);

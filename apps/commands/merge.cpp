@@ -118,7 +118,7 @@ int run_merge(const MergeOptions& o)
         image.attributes.erase(name);
     image.attributes["fathom.samples"] = sample_ranges_text(film.samples());
     image.attributes["fathom.samples_per_pixel"] = fmt::format("{}", film.samples_per_pixel());
-    image.attributes["fathom.dropped_samples"] = fmt::format("{}", film.dropped_samples());
+    image.attributes["fathom.dropped_samples"] = fmt::format("{}", film.invalid_samples());
     if (denoiser) denoiser->add_to(image);
     const bool all_written = write_images(o.images, image, o.no_sums ? nullptr : &film, write, reporter);
     reporter.note(

@@ -38,10 +38,10 @@ constexpr CommandText command_text{
 /// Compiles the scene with its light, whose backdrop and exposure go into the plan.
 ///
 /// edit  is kept only if further frames need it
-AutoLitScene build(const RenderOptions& o, LoadedScene& loaded, RenderPlan& plan, std::optional<SceneEdit>& edit,
-                   Reporter& reporter, Warnings& warnings)
+LitScene build(const RenderOptions& o, LoadedScene& loaded, RenderPlan& plan, std::optional<EditableScene>& edit,
+               Reporter& reporter, Warnings& warnings)
 {
-    AutoLitScene lit = [&] {
+    LitScene lit = [&] {
         const Reporter::Phase phase(reporter, "build", "building " + o.scene.file.string());
         return compile_with_light(edit.emplace(make_edit(loaded, o.scene)), loaded, o.scene, plan.settings, warnings);
     }();
@@ -81,8 +81,8 @@ int render_scene(RenderOptions& o, Ranks* ranks, Reporter& reporter)
     if (!loaded.build) loaded.build = choose_tree_build(o, plan);
     summary.load_s = seconds_since_start();
 
-    std::optional<SceneEdit> edit;
-    AutoLitScene lit = build(o, loaded, plan, edit, reporter, warnings);
+    std::optional<EditableScene> edit;
+    LitScene lit = build(o, loaded, plan, edit, reporter, warnings);
     summary.build_s = seconds_since_start() - summary.load_s;
     reporter.warnings(warnings);
     if (o.only_sample) return print_sample(*o.only_sample, RenderJob(lit.scene, plan.settings));

@@ -41,7 +41,8 @@ struct ViewOptions {
 /// Checks the memory for the scene, two films (one for passes that may be dropped) and their image.
 void check_view_memory(const ViewOptions& o, const LoadedScene& loaded, const RenderSettings& settings)
 {
-    std::vector<MemoryEstimate> needs = estimate_memory(loaded.description, loaded.build.value_or(TreeBuild::standard));
+    std::vector<MemoryEstimate> needs =
+        estimate_memory(loaded.description, loaded.build.value_or(BvhQuality::standard));
     for (MemoryEstimate& need : film_memory(settings, {.has_checkpoint = true}, o.images))
         needs.push_back(std::move(need));
     check_memory(o.scene.file.string(), std::move(needs));
@@ -71,9 +72,9 @@ int run_view(ViewOptions& o)
 
     check_view_memory(o, loaded, settings);
     const Bounds bounds = world_bounds(loaded.description);
-    AutoLitScene lit = [&] {
+    LitScene lit = [&] {
         const Reporter::Phase phase(reporter, "build", "building " + o.scene.file.string());
-        SceneEdit edit = make_edit(loaded, o.scene);
+        EditableScene edit = make_edit(loaded, o.scene);
         return compile_with_light(edit, loaded, o.scene, settings, warnings);
     }();
     DisplayTransform display = resolve_write_options(o.images, hints, reporter).display;

@@ -70,7 +70,7 @@ void add_light_options(Command& command, SceneOptions& o)
                        "auto"},
                       [&](const std::string& text) {
                           const int choice = parse_choice(text, {"auto", "file", "studio", "sun", "sky"});
-                          o.light = choice < 3 ? LightChoice(choice) : LightChoice::file;
+                          o.light = choice < 3 ? LightingMode(choice) : LightingMode::file;
                           o.with_sun = choice == 3;
                           o.sky = choice >= 3;
                       });
@@ -108,7 +108,7 @@ void check_light(const SceneOptions& o)
 
 }  // namespace
 
-const std::vector<std::string> tree_build_names = {"fast", "standard", "high", "compact"};
+const std::vector<std::string> bvh_quality_names = {"fast", "standard", "high", "compact"};
 
 void add_file_options(Command& command, SceneOptions& o)
 {
@@ -158,7 +158,7 @@ void add_scene_options(Command& command, SceneOptions& o)
                        "bounding volume hierarchy: fast builds sooner, high renders faster, compact takes a third less "
                        "memory, for tens of millions of triangles; the image is the same",
                        "standard, or high for many samples"},
-                      [&](const std::string& text) { o.build = TreeBuild(parse_choice(text, tree_build_names)); });
+                      [&](const std::string& text) { o.build = BvhQuality(parse_choice(text, tree_build_names)); });
 }
 
 void check_scene_options(const SceneOptions& o)

@@ -6,7 +6,7 @@
 #include <string>
 #include <utility>
 
-#include "fathom/first_look.h"
+#include "fathom/lighting.h"
 #include "fathom/load.h"
 #include "fathom/render.h"
 #include "options/arguments.h"
@@ -36,13 +36,13 @@ struct SceneOptions {
     std::filesystem::path environment;
     double environment_turn_deg = 0;
     std::optional<double> environment_strength;
-    LightChoice light = LightChoice::automatic;
+    LightingMode light = LightingMode::automatic;
     bool sky = false, with_sun = false;  ///< a clear sky replaces all other light, with or without the sun's disk
     SunOptions sun;
     GroundChoice ground = GroundChoice::automatic;
     Color ground_color;
     std::optional<Size> size;
-    std::optional<TreeBuild> build;
+    std::optional<BvhQuality> build;
 };
 
 /// Adds the file and how it is read, --memory and --nice.
@@ -53,6 +53,6 @@ LoadOptions load_options(const SceneOptions& options);
 /// Throws UsageError for options that contradict each other.
 void check_scene_options(const SceneOptions& options);
 
-extern const std::vector<std::string> tree_build_names;  ///< indexed by TreeBuild
+extern const std::vector<std::string> bvh_quality_names;  ///< indexed by BvhQuality
 
 }  // namespace fathom::cli

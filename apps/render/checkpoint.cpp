@@ -232,7 +232,7 @@ void Checkpoint::write(const Film& film, bool alpha, const std::map<std::string,
     finish();
     next_s_ = seconds_since_start() + every_s_;
     try {
-        Image image = film.picture(alpha);
+        Image image = film.beauty(alpha);
         image.attributes = attributes;
         WriteOptions half;
         half.exr_half = true;

@@ -14,11 +14,11 @@ double frame_time(const SeriesOptions& series, std::uint64_t frame)
 }
 
 /// Moves the scene to a frame, compiles it, and reports warnings that are not in `warnings` yet.
-Scene compile_frame(const RenderPlan& plan, SceneEdit& edit, double time_s, Warnings& warnings, Reporter& reporter)
+Scene compile_frame(const RenderPlan& plan, EditableScene& edit, double time_s, Warnings& warnings, Reporter& reporter)
 {
     set_time(edit, plan.scene, plan.scene_options, time_s);
     Warnings found, fresh;
-    Scene scene = edit.compile_exactly(found);
+    Scene scene = edit.compile_bit_exact(found);
     for (const auto& [message, times] : found.counts())
         if (!warnings.counts().contains(message)) fresh.add(message, times);
     for (const auto& [message, times] : fresh.counts()) warnings.add(message, times);
@@ -40,7 +40,7 @@ void check_frames(RenderOptions& o)
     check_series(o, "--frames");
 }
 
-int render_frames(const RenderPlan& plan, const SeriesOptions& series, SceneEdit& edit, AutoLitScene first,
+int render_frames(const RenderPlan& plan, const SeriesOptions& series, EditableScene& edit, LitScene first,
                   const Summary& summary, const Warnings& reported, Reporter& reporter)
 {
     Warnings warnings = reported;
@@ -49,7 +49,7 @@ int render_frames(const RenderPlan& plan, const SeriesOptions& series, SceneEdit
         Summary now = summary;
         if (frame != series.frames[0]) {
             const double start_s = seconds_since_start();
-            // SceneEdit would compile everything again if the last scene were still in use.
+            // EditableScene would compile everything again if the last scene were still in use.
             scene = {};
             scene = compile_frame(plan, edit, frame_time(series, frame), warnings, reporter);
             now.load_s = 0;

@@ -10,7 +10,7 @@ void check_frames(RenderOptions& options);
 /// Renders the images of all frames, starting with a scene of the first; returns the exit code.
 ///
 /// reported  warnings of the first frame; later ones only add new ones
-int render_frames(const RenderPlan& plan, const SeriesOptions& series, SceneEdit& edit, AutoLitScene first,
+int render_frames(const RenderPlan& plan, const SeriesOptions& series, EditableScene& edit, LitScene first,
                   const Summary& summary, const Warnings& reported, Reporter& reporter);
 
 }  // namespace fathom::cli

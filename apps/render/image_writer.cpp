@@ -47,7 +47,7 @@ std::map<std::string, std::string> image_attributes(const RenderPlan& plan, cons
         {"fathom.seed", fmt::format("{}", s.seed)},
         {"fathom.samples", sample_ranges_text(film.samples())},
         {"fathom.samples_per_pixel", fmt::format("{}", film.samples_per_pixel())},
-        {"fathom.dropped_samples", fmt::format("{}", film.dropped_samples())},
+        {"fathom.dropped_samples", fmt::format("{}", film.invalid_samples())},
         {"fathom.filter", filter_names[std::size_t(s.filter)]},
         {"fathom.max_depth", s.max_depth < 0 ? "none" : fmt::format("{}", s.max_depth)},
         {"fathom.roulette_depth", fmt::format("{}", s.roulette_depth)},
@@ -81,11 +81,11 @@ void add_part_progress(const Film& film, double samples_per_s, std::map<std::str
 
 void warn_about_dropped_samples(const Film& film, Reporter& reporter)
 {
-    if (film.dropped_samples() == 0) return;
+    if (film.invalid_samples() == 0) return;
     Warnings dropped;
     std::string text = fmt::format("{} samples were NaN or infinite; they count as black, which biases the image",
-                                   film.dropped_samples());
-    if (const auto place = film.dropped_sample())
+                                   film.invalid_samples());
+    if (const auto place = film.invalid_sample())
         text += fmt::format(" (--only-sample {},{},{} replays one)", place->x, place->y, place->sample);
     dropped.add(text);
     reporter.warnings(dropped);

@@ -29,7 +29,7 @@ RenderSettings plan_settings(const RenderOptions& o, const LoadedScene& scene, b
     settings.height = scene.size.height;
     settings.crop = o.film.crop;
     settings.aovs = o.film.aovs;
-    settings.measure = o.stats;
+    settings.measure_stages = o.stats;
     if (is_denoised) add_denoiser_layers(settings);
     const std::string size = fmt::format("{}x{}", settings.width, settings.height);
     if (o.film.crop && (o.film.crop->x1 > settings.width || o.film.crop->y1 > settings.height))
@@ -49,7 +49,7 @@ std::vector<MemoryEstimate> plan_film_memory(const RenderPlan& plan)
 }
 
 /// Memory for scene and film with a BVH of this quality.
-std::vector<MemoryEstimate> plan_memory(const RenderOptions& o, const RenderPlan& plan, TreeBuild build)
+std::vector<MemoryEstimate> plan_memory(const RenderOptions& o, const RenderPlan& plan, BvhQuality build)
 {
     std::vector<MemoryEstimate> needs = estimate_memory(plan.scene.description, build);
     if (!o.only_sample)
@@ -69,15 +69,15 @@ bool guiding_pays(const RenderPlan& plan)
 
 /// The BVH quality that finishes soonest. High quality takes about 1.5 us more to build for each triangle, and saves
 /// about 5 % of a sample's microsecond (docs/performance.md).
-TreeBuild fastest_build(const SceneDescription& scene, double samples)
+BvhQuality fastest_build(const SceneDescription& scene, double samples)
 {
     constexpr double min_samples_per_triangle = 32;
     // Displacement decides the number of triangles only while compiling.
     for (const Material& material : scene.materials)
-        if (material.displacement.value != 0) return TreeBuild::standard;
+        if (material.displacement.height.value != 0) return BvhQuality::standard;
     double triangles = 0;
     for (const Mesh& mesh : scene.meshes) triangles += double(mesh.indices.size()) / 3;
-    return triangles > 0 && samples >= min_samples_per_triangle * triangles ? TreeBuild::high : TreeBuild::standard;
+    return triangles > 0 && samples >= min_samples_per_triangle * triangles ? BvhQuality::high : BvhQuality::standard;
 }
 
 /// Rough number of samples that one BVH is used for. An animation rebuilds it for each frame.
@@ -114,7 +114,7 @@ RenderPlan make_plan(const RenderOptions& o, const LoadedScene& loaded, std::opt
     plan.ranks = ranks;
     plan.has_guiding_option = o.settings.guiding.has_value();
     plan.stats = o.stats;
-    check_memory(file, plan_memory(o, plan, loaded.build.value_or(TreeBuild::standard)));
+    check_memory(file, plan_memory(o, plan, loaded.build.value_or(BvhQuality::standard)));
     check_outputs(o, plan.settings.width, plan.settings.height);
     plan.samples = resolve_samples(o.samples, hints, file, default_render_samples);
     if (!o.checkpoint.file.empty()) plan.scene_digest = scene_digest(loaded.description);
@@ -128,12 +128,12 @@ void check_film_memory(const RenderPlan& plan)
     check_memory(plan.scene_options.file.string(), plan_film_memory(plan));
 }
 
-TreeBuild choose_tree_build(const RenderOptions& o, const RenderPlan& plan)
+BvhQuality choose_tree_build(const RenderOptions& o, const RenderPlan& plan)
 {
-    const TreeBuild build = fastest_build(plan.scene.description, samples_per_build(o, plan));
+    const BvhQuality build = fastest_build(plan.scene.description, samples_per_build(o, plan));
     double bytes = 0;
     for (const MemoryEstimate& need : plan_memory(o, plan, build)) bytes += need.bytes;
-    return bytes <= double(available_memory_bytes()) ? build : TreeBuild::standard;
+    return bytes <= double(available_memory_bytes()) ? build : BvhQuality::standard;
 }
 
 void announce_plan(const RenderPlan& plan, Reporter& reporter)

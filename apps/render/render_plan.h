@@ -39,7 +39,7 @@ RenderPlan make_plan(const RenderOptions& options, const LoadedScene& loaded, st
 void check_film_memory(const RenderPlan& plan);
 
 /// The BVH quality that finishes the images soonest, if there is memory for it.
-TreeBuild choose_tree_build(const RenderOptions& options, const RenderPlan& plan);
+BvhQuality choose_tree_build(const RenderOptions& options, const RenderPlan& plan);
 
 /// Reports what the user should know before a long render.
 void announce_plan(const RenderPlan& plan, Reporter& reporter);

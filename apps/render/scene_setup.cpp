@@ -53,14 +53,14 @@ Size resolve_size(const SceneOptions& options, const std::string& camera_name, c
     return size;
 }
 
-std::optional<TreeBuild> resolve_tree_build(const SceneOptions& options, const SceneDescription& scene)
+std::optional<BvhQuality> resolve_bvh_quality(const SceneOptions& options, const SceneDescription& scene)
 {
     if (options.build || !scene.hints.build) return options.build;
-    const auto name = std::find(tree_build_names.begin(), tree_build_names.end(), *scene.hints.build);
-    if (name == tree_build_names.end())
+    const auto name = std::find(bvh_quality_names.begin(), bvh_quality_names.end(), *scene.hints.build);
+    if (name == bvh_quality_names.end())
         throw Error(scene.file, "build",
-                    fmt::format("expected {}, found '{}'", fmt::join(tree_build_names, " or "), *scene.hints.build));
-    return TreeBuild(name - tree_build_names.begin());
+                    fmt::format("expected {}, found '{}'", fmt::join(bvh_quality_names, " or "), *scene.hints.build));
+    return BvhQuality(name - bvh_quality_names.begin());
 }
 
 void use_environment(SceneDescription& scene, const std::filesystem::path& file)
@@ -174,7 +174,7 @@ std::string animations_note(const std::vector<Animation>& animations)
 
 /// Index of the animation to play. `all`, unless it is a name, joins all animations; where several move one thing, the
 /// last of them wins.
-std::size_t chosen_animation(SceneFile& file, const std::string& wanted)
+std::size_t chosen_animation(SceneFileContents& file, const std::string& wanted)
 {
     std::vector<Animation>& animations = file.rig.animations;
     const bool is_a_name =
@@ -194,7 +194,7 @@ std::size_t chosen_animation(SceneFile& file, const std::string& wanted)
 /// Loads the pose at rest, or the one of the options' time and a player for the others.
 SceneDescription load_pose(const SceneOptions& options, LoadedScene& loaded, Warnings& warnings)
 {
-    SceneFile file = load_scene_file(options.file, load_options(options), warnings);
+    SceneFileContents file = load_scene_file(options.file, load_options(options), warnings);
     if (!options.at_s) {
         loaded.note = animations_note(file.rig.animations);
         return std::move(file.scene);
@@ -210,25 +210,25 @@ SceneDescription load_pose(const SceneOptions& options, LoadedScene& loaded, War
 void add_framing_camera(LoadedScene& loaded, const SceneOptions& options)
 {
     SceneDescription& scene = loaded.description;
-    CompleteOptions complete;
-    complete.aspect = double(loaded.size.width) / loaded.size.height;
-    complete.force_camera = options.orbit_deg || options.turntable;
+    FramingOptions framing;
+    framing.aspect = double(loaded.size.width) / loaded.size.height;
+    framing.force_camera = options.orbit_deg || options.turntable;
     if (options.orbit_deg) {
-        complete.azimuth_deg = options.orbit_deg->first;
-        complete.elevation_deg = options.orbit_deg->second;
+        framing.azimuth_deg = options.orbit_deg->first;
+        framing.elevation_deg = options.orbit_deg->second;
     }
     // One camera for all times, so that motion is visible.
-    if (loaded.player && (complete.force_camera || scene.cameras.empty()))
-        complete.bounds = world_bounds(scene, *loaded.player);
+    if (loaded.player && (framing.force_camera || scene.cameras.empty()))
+        framing.bounds = world_bounds(scene, *loaded.player);
     if (options.turntable) {
-        const Bounds bounds = complete.bounds ? *complete.bounds : world_bounds(scene);
+        const Bounds bounds = framing.bounds ? *framing.bounds : world_bounds(scene);
         if (!bounds.empty) loaded.middle = (bounds.min + bounds.max) * 0.5;
-        complete.orbit_center = loaded.middle;
+        framing.orbit_center = loaded.middle;
     }
     const std::size_t cameras = scene.cameras.size();
-    loaded.added = complete_scene(scene, complete).added;
+    if (add_default_camera(scene, framing) && !framing.force_camera) loaded.added = {"a camera that frames the scene"};
     if (scene.cameras.size() == cameras) return;
-    // complete_scene puts its camera before the others.
+    // add_default_camera puts its camera before the others.
     if (cameras > 0) scene.cameras.front().name = unused_name(scene, "orbit");
     loaded.camera = scene.cameras.front().name;
 }
@@ -244,7 +244,7 @@ std::optional<Ground> make_ground(const SceneDescription& scene, const LoadedSce
         return {};
     Ground ground;
     if (options.ground == GroundChoice::color) ground.color = options.ground_color;
-    ground.only_where_it_fits = options.ground == GroundChoice::automatic;
+    ground.only_if_visible_from_above = options.ground == GroundChoice::automatic;
     ground.backdrop = settings.background.value_or(studio_backdrop);
     if (loaded.player) ground.bounds = world_bounds(scene, *loaded.player);
     return ground;
@@ -263,7 +263,7 @@ LoadedScene load_for_render(const SceneOptions& options, Reporter& reporter, War
     adjust_environment(scene.environment, options);
     loaded.camera = name_of_camera(scene, options.camera);
     if (!loaded.camera.empty()) world_camera(scene, loaded.camera);  // throws if there is none
-    loaded.build = resolve_tree_build(options, scene);
+    loaded.build = resolve_bvh_quality(options, scene);
     loaded.size = resolve_size(options, loaded.camera, scene);
     add_framing_camera(loaded, options);
     if (options.look_from || options.look_at || options.up || options.fov_deg) {
@@ -285,31 +285,31 @@ void report_added(const LoadedScene& loaded, Reporter& reporter)
     if (!loaded.note.empty()) reporter.note(loaded.note);
 }
 
-SceneEdit make_edit(LoadedScene& loaded, const SceneOptions& options)
+EditableScene make_edit(LoadedScene& loaded, const SceneOptions& options)
 {
     // An environment that the user chose is to be the only light.
     if (!options.environment.empty()) loaded.description.hints.own_light = true;
-    return SceneEdit(std::move(loaded.description), loaded.camera, loaded.build.value_or(TreeBuild::standard));
+    return EditableScene(std::move(loaded.description), loaded.camera, loaded.build.value_or(BvhQuality::standard));
 }
 
-AutoLitScene compile_with_light(SceneEdit& edit, const LoadedScene& loaded, const SceneOptions& options,
-                                const RenderSettings& settings, Warnings& warnings)
+LitScene compile_with_light(EditableScene& edit, const LoadedScene& loaded, const SceneOptions& options,
+                            const RenderSettings& settings, Warnings& warnings)
 {
-    if (options.light == LightChoice::studio && !options.environment.empty())
+    if (options.light == LightingMode::studio && !options.environment.empty())
         throw UsageError("--light studio, --env: give one of them");
     return compile_lit(edit, options.light, double(loaded.size.width) / loaded.size.height, warnings,
                        make_ground(edit.description(), loaded, options, settings));
 }
 
-void apply_light(const AutoLitScene& lit, const ImageOptions& options, RenderSettings& settings,
-                 DisplayTransform& display, Reporter& reporter)
+void apply_light(const LitScene& lit, const ImageOptions& options, RenderSettings& settings, DisplayTransform& display,
+                 Reporter& reporter)
 {
     if (!lit.added.empty()) reporter.note(fmt::format("light: added {}", fmt::join(lit.added, ", ")));
     if (lit.exposure_ev && !options.exposure_ev) display.exposure_ev = *lit.exposure_ev;
     if (lit.backdrop && !settings.background) settings.background = studio_backdrop;
 }
 
-void set_time(SceneEdit& edit, const LoadedScene& loaded, const SceneOptions& options, double time_s)
+void set_time(EditableScene& edit, const LoadedScene& loaded, const SceneOptions& options, double time_s)
 {
     if (!loaded.player) return;
     edit.set_pose(loaded.player->pose(time_s, options.shutter_s));

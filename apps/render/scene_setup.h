@@ -4,9 +4,9 @@
 #include <string>
 #include <vector>
 
-#include "fathom/edit.h"
-#include "fathom/first_look.h"
+#include "fathom/editable_scene.h"
 #include "fathom/image.h"
+#include "fathom/lighting.h"
 #include "fathom/scene_file.h"
 #include "options/image_options.h"
 #include "options/scene_options.h"
@@ -17,10 +17,10 @@ namespace fathom::cli {
 /// A scene that can be compiled: it has a camera, and the options are applied.
 struct LoadedScene {
     SceneDescription description;
-    std::string camera;              ///< name of the camera to render; empty: the first
-    Size size;                       ///< of the image: the option's, the scene's, or 800x600 in the camera's shape
-    std::vector<std::string> added;  ///< what the file lacked, in words
-    std::optional<TreeBuild> build;  ///< the option's or the scene's
+    std::string camera;               ///< name of the camera to render; empty: the first
+    Size size;                        ///< of the image: the option's, the scene's, or 800x600 in the camera's shape
+    std::vector<std::string> added;   ///< what the file lacked, in words
+    std::optional<BvhQuality> build;  ///< the option's or the scene's
     std::optional<AnimationPlayer> player;  ///< where the options give a time
     std::string note;                       ///< what else the file could show; may be empty
     Vec3d middle;                           ///< center of a turntable
@@ -33,18 +33,18 @@ LoadedScene load_for_render(const SceneOptions& options, Reporter& reporter, War
 void report_added(const LoadedScene& loaded, Reporter& reporter);
 
 /// The scene to compile and to change for further images. Takes the description out of `loaded`.
-SceneEdit make_edit(LoadedScene& loaded, const SceneOptions& options);
+EditableScene make_edit(LoadedScene& loaded, const SceneOptions& options);
 /// Compiles the scene with its light and ground.
 ///
 /// settings  say which backdrop the ground fades into
-AutoLitScene compile_with_light(SceneEdit& edit, const LoadedScene& loaded, const SceneOptions& options,
-                                const RenderSettings& settings, Warnings& warnings);
+LitScene compile_with_light(EditableScene& edit, const LoadedScene& loaded, const SceneOptions& options,
+                            const RenderSettings& settings, Warnings& warnings);
 /// Reports which light was added, and applies its exposure and backdrop unless options say otherwise.
-void apply_light(const AutoLitScene& lit, const ImageOptions& options, RenderSettings& settings,
-                 DisplayTransform& display, Reporter& reporter);
+void apply_light(const LitScene& lit, const ImageOptions& options, RenderSettings& settings, DisplayTransform& display,
+                 Reporter& reporter);
 
 /// Moves animation and camera to another time.
-void set_time(SceneEdit& edit, const LoadedScene& loaded, const SceneOptions& options, double time_s);
+void set_time(EditableScene& edit, const LoadedScene& loaded, const SceneOptions& options, double time_s);
 /// The camera after a fraction of a turntable's turn, counterclockwise seen from above.
 Camera turntable_camera(const Camera& camera, const LoadedScene& loaded, double fraction);
 

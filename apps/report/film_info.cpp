@@ -78,7 +78,7 @@ ordered_json describe_film(const std::filesystem::path& path)
         info["planned_samples"] = planned;
         info["missing"] = ranges_json(missing_samples(film.samples(), planned));
     }
-    info["dropped_samples"] = film.dropped_samples();
+    info["dropped_samples"] = film.invalid_samples();
     info["seed"] = settings.seed;
     info["layers"] = layers_json(file.channels());
     info["scene_fingerprint"] = film.key().scene;

@@ -63,7 +63,7 @@ ordered_json count_json(const SceneDescription& scene)
         for (const Shape& shape : node.shapes) {
             ++shapes[shape.geometry.index()];
             const Material* const material = material_of(scene, shape);
-            emitters += material && is_nonzero(material->emission);
+            emitters += material && is_nonzero(material->emission.radiance);
         }
     return {{"triangles", triangles},
             {"vertices", vertices},
@@ -92,34 +92,33 @@ std::vector<std::string> material_features(const Material& m)
         if (is_used) uses.emplace_back(what);
     };
     const bool has_layers = m.kind == MaterialKind::principled;
-    add(is_nonzero(m.emission), "emission");
+    add(is_nonzero(m.emission.radiance), "emission");
     add(m.base_color.texture >= 0, "color texture");
     add(m.use_vertex_color, "vertex colors");
     if (has_layers || m.kind == MaterialKind::glass) {
-        add(m.attenuation_distance > 0, "absorption");
-        add(m.transmission_scatter.r > 0 || m.transmission_scatter.g > 0 || m.transmission_scatter.b > 0,
-            "scattering inside");
-        add(m.thin, "thin");
+        add(m.interior.attenuation_distance > 0, "absorption");
+        add(m.interior.scatter.r > 0 || m.interior.scatter.g > 0 || m.interior.scatter.b > 0, "scattering inside");
+        add(m.interior.thin, "thin");
     }
     if (has_layers) {
         add(is_nonzero(m.metallic), "metallic");
-        add(is_nonzero(m.transmission), "transmission");
-        add(m.dispersion > 0, "dispersion");
-        add(is_nonzero(m.diffuse_transmission), "diffuse transmission");
-        add(is_nonzero(m.subsurface), "subsurface");
-        add(is_nonzero(m.anisotropy), "anisotropy");
-        add(is_nonzero(m.coat), "coat");
-        add(is_nonzero(m.sheen_color), "sheen");
-        add(is_nonzero(m.thin_film), "thin film");
+        add(is_nonzero(m.transmission.weight), "transmission");
+        add(m.transmission.dispersion > 0, "dispersion");
+        add(is_nonzero(m.diffuse_transmission.weight), "diffuse transmission");
+        add(is_nonzero(m.subsurface.weight), "subsurface");
+        add(is_nonzero(m.microfacets.anisotropy), "anisotropy");
+        add(is_nonzero(m.coat.weight), "coat");
+        add(is_nonzero(m.sheen.color), "sheen");
+        add(is_nonzero(m.thin_film.weight), "thin film");
     }
-    add(m.normal_texture >= 0, "normal map");
+    add(m.normal_map.texture >= 0, "normal map");
     add(m.bump.texture >= 0, "bumps");
-    add(m.displacement.value != 0, "displacement");
-    add(m.alpha_mode == AlphaMode::mask, "alpha mask");
-    add(m.alpha_mode == AlphaMode::blend, "alpha");
-    add(m.single_sided, "single-sided");
-    add(m.hidden_from_camera, "hidden from the camera");
-    add(m.invisible_light, "invisible light");
+    add(m.displacement.height.value != 0, "displacement");
+    add(m.opacity.mode == AlphaMode::mask, "alpha mask");
+    add(m.opacity.mode == AlphaMode::blend, "alpha");
+    add(m.visibility.camera_backface_culling, "single-sided");
+    add(m.visibility.hidden_from_camera, "hidden from the camera");
+    add(m.visibility.invisible_light, "invisible light");
     return uses;
 }
 
@@ -134,7 +133,7 @@ ordered_json materials_of(const SceneDescription& scene)
         const Material& m = scene.materials[i];
         result.push_back(
             {{"name", m.name}, {"kind", name_in_files(m.kind)}, {"shapes", shapes[i]}, {"uses", material_features(m)}});
-        if (is_nonzero(m.emission)) result.back()["emission"] = to_json(m.emission.value);
+        if (is_nonzero(m.emission.radiance)) result.back()["emission"] = to_json(m.emission.radiance.value);
     }
     return result;
 }
@@ -245,7 +244,7 @@ void add_compiled(ordered_json& info, const SceneDescription& scene, Warnings& w
 ordered_json describe_scene(const SceneOptions& options)
 {
     Warnings warnings;
-    SceneFile file = load_scene_file(options.file, load_options(options), warnings);
+    SceneFileContents file = load_scene_file(options.file, load_options(options), warnings);
     SceneDescription& scene = file.scene;
     ordered_json info;
     info["file"] = options.file.string();
@@ -269,7 +268,8 @@ ordered_json describe_scene(const SceneOptions& options)
     for (const Animation& animation : file.rig.animations)
         info["animations"].push_back(
             {{"name", animation.name}, {"duration_s", animation.duration()}, {"channels", animation.channels.size()}});
-    info["added"] = complete_scene(scene, {}).added;
+    info["added"] = ordered_json::array();
+    if (add_default_camera(scene, {})) info["added"].push_back("a camera that frames the scene");
     add_compiled(info, scene, warnings);
     info["warnings"] = ordered_json::array();
     for (const auto& [message, times] : warnings.counts())

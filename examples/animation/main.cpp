@@ -2,7 +2,7 @@
 /// An animation by scene edits: a carousel turns, and a lamp changes its color. Only what changed is compiled again.
 ///
 ///     animation [FRAMES [PREFIX]]      writes PREFIX00.png, PREFIX01.png, ... (default 8 frame-)
-#include <fathom/edit.h>
+#include <fathom/editable_scene.h>
 #include <fathom/error.h>
 
 #include <cmath>
@@ -20,7 +20,7 @@ fathom::SceneDescription carousel()
     fathom::SceneDescription scene;
     fathom::Material gray, lamp, red;
     lamp.kind = fathom::MaterialKind::none;
-    lamp.emission.value = {20, 20, 20};
+    lamp.emission.radiance.value = {20, 20, 20};
     red.base_color.value = {0.7f, 0.1f, 0.1f};
     scene.materials = {gray, lamp, red};
 
@@ -54,7 +54,7 @@ try {
     const int frames = argc > 1 ? std::atoi(argv[1]) : 8;
     const std::string prefix = argc > 2 ? argv[2] : "frame-";
 
-    fathom::SceneEdit edit(carousel());
+    fathom::EditableScene edit(carousel());
     fathom::RenderSettings settings;
     settings.width = 240, settings.height = 180;
     fathom::Warnings warnings;
@@ -62,7 +62,7 @@ try {
         const double share = double(frame) / frames;
         edit.set_transform(carousel_node, fathom::Transform::rotate({0, 1, 0}, two_pi / 6 * share));
         fathom::Material lamp = edit.description().materials[lamp_material];
-        lamp.emission.value.b = float(20 - 15 * share);
+        lamp.emission.radiance.value.b = float(20 - 15 * share);
         edit.set_material(lamp_material, lamp);
 
         // Job and scene end with this iteration. While one of them lives, compile() builds the whole scene anew.

@@ -64,8 +64,8 @@ fathom::SceneDescription scene_from_arrays()
     surface.use_vertex_color = true;  // base color times the mesh's colors
     surface.roughness.value = 0.4f;
     lamp.name = "lamp";
-    lamp.kind = fathom::MaterialKind::none;  // reflects nothing
-    lamp.emission.value = {25, 23, 20};      // radiance
+    lamp.kind = fathom::MaterialKind::none;       // reflects nothing
+    lamp.emission.radiance.value = {25, 23, 20};  // radiance
     scene.materials = {surface, lamp};
 
     // Any shape with an emissive material is a light. A rectangle shines along cross(edge_u, edge_v), here downwards.

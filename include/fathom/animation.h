@@ -10,7 +10,7 @@
 #include "fathom/description.h"
 
 /// Animations of a scene as plain data, which importers fill beside its SceneDescription, and the pose of a scene at a
-/// time, which SceneEdit applies. Node, mesh and other indices are those of the SceneDescription.
+/// time, which EditableScene applies. Node, mesh and other indices are those of the SceneDescription.
 namespace fathom {
 
 /// How a value changes between two keys.
@@ -21,7 +21,7 @@ enum class Interpolation {
 };
 
 /// Quantity that a channel animates, with the number of floats in a value.
-enum class AnimatedValue {
+enum class AnimatedProperty {
     // Of a node.
     translation,  ///< Translation of the node in meters (3 floats).
     rotation,     ///< Rotation as a quaternion x, y, z, w, which is normalized (4 floats).
@@ -46,9 +46,9 @@ enum class AnimatedValue {
 
 /// Keys of one animated quantity. Before the first key and after the last one, the value is constant.
 struct AnimationChannel {
-    AnimatedValue value = AnimatedValue::translation;     ///< Quantity that is animated.
-    int target = -1;                                      ///< Index of the node, material or light.
-    Interpolation interpolation = Interpolation::linear;  ///< How values change between keys.
+    AnimatedProperty value = AnimatedProperty::translation;  ///< Quantity that is animated.
+    int target = -1;                                         ///< Index of the node, material or light.
+    Interpolation interpolation = Interpolation::linear;     ///< How values change between keys.
     std::vector<float> times;   ///< Times of the keys in seconds: finite, ascending, not empty.
     std::vector<float> values;  ///< Finite values, key after key. A key of `cubic` has an incoming tangent, a value and
                                 ///< an outgoing tangent.
@@ -65,7 +65,7 @@ struct Animation {
 };
 
 /// The animatable state of a node at rest. Its transform is translation * rotation * scale.
-struct NodeRest {
+struct NodeRestPose {
     Vec3d translation{0, 0, 0};                  ///< Translation in meters.
     std::array<double, 4> rotation{0, 0, 0, 1};  ///< Unit quaternion x, y, z, w.
     Vec3d scale{1, 1, 1};                        ///< Scale factors along the axes of the node.
@@ -93,7 +93,7 @@ struct DeformedMesh {
     Mesh rest;                          ///< The mesh at rest.
     std::vector<MorphTarget> targets;   ///< Morph targets, blended by weights.
     std::vector<float> weights;         ///< Weights of the targets, unless the node has its own.
-    int node = -1;                      ///< Node whose NodeRest::weights apply; -1: none.
+    int node = -1;                      ///< Node whose NodeRestPose::weights apply; -1: none.
     int skin = -1;                      ///< Index into AnimationRig::skins; -1: none.
     std::vector<std::uint16_t> joints;  ///< Indices into Skin::joints, the same number for each vertex.
     std::vector<float> joint_weights;   ///< Weight of each entry of `joints`; they are normalized for each vertex.
@@ -110,7 +110,7 @@ struct VisibilityNode {
 /// All animations of a scene and what they act on.
 struct AnimationRig {
     std::vector<Animation> animations;   ///< Animations of the scene.
-    std::vector<NodeRest> nodes;         ///< State at rest of the scene's first nodes, by index.
+    std::vector<NodeRestPose> nodes;     ///< State at rest of the scene's first nodes, by index.
     std::vector<int> parents;            ///< Parent of each entry of `nodes`; -1: none.
     std::vector<Skin> skins;             ///< Skins that DeformedMesh::skin refers to.
     std::vector<DeformedMesh> meshes;    ///< Meshes that can be deformed.
@@ -129,16 +129,16 @@ struct AnimationPose {
         std::vector<MeshKey> motion;            ///< Mesh::motion from time 0 to the end of the shutter interval.
     };
     /// A value of a material, light or camera.
-    struct Number {
-        AnimatedValue value = AnimatedValue::base_color;  ///< Quantity that the value is of.
-        int target = -1;                                  ///< Index of the material, light or node of the camera.
-        std::array<float, 4> numbers{};                   ///< New value; unused elements are 0.
+    struct ParameterValue {
+        AnimatedProperty value = AnimatedProperty::base_color;  ///< Quantity that the value is of.
+        int target = -1;                                        ///< Index of the material, light or node of the camera.
+        std::array<float, 4> numbers{};                         ///< New value; unused elements are 0.
     };
     std::vector<std::pair<int, Transform>> nodes;  ///< parent_from_node by node index.
     /// Node::motion by node index, for each entry of `nodes`.
     std::vector<std::pair<int, std::vector<NodeKey>>> motions;
     std::vector<Vertices> meshes;                ///< Deformed meshes.
-    std::vector<Number> numbers;                 ///< Values of materials, lights and cameras.
+    std::vector<ParameterValue> numbers;         ///< Values of materials, lights and cameras.
     std::vector<std::pair<int, Node>> contents;  ///< Contents by node index; empty for hidden nodes.
 };
 
@@ -180,8 +180,8 @@ private:
     std::vector<std::size_t> bent_;            ///< Indices into rig_.meshes of those that the animation deforms.
 };
 
-/// Applies a pose to a scene description. SceneEdit::set_pose() does the same for a scene that is compiled repeatedly.
-/// Throws std::out_of_range if the pose belongs to another scene.
+/// Applies a pose to a scene description. EditableScene::set_pose() does the same for a scene that is compiled
+/// repeatedly. Throws std::out_of_range if the pose belongs to another scene.
 FATHOM_API void set_pose(SceneDescription& scene, AnimationPose pose);
 
 }  // namespace fathom

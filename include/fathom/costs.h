@@ -39,7 +39,7 @@ struct RenderCosts {
     std::uint64_t vertices = 0;                        ///< Number of scattering events on surfaces.
     std::uint64_t light_samples = 0;                   ///< Number of scattering events at which a light was sampled.
     std::uint64_t shaded_lanes = 0;  ///< Number of SIMD lanes that shaded scattering events, idle ones included.
-    /// Seconds by RenderStage, summed over all threads; 0 unless RenderSettings::measure is set.
+    /// Seconds by RenderStage, summed over all threads; 0 unless RenderSettings::measure_stages is set.
     std::array<double, render_stage_count> seconds{};
 
     /// Returns the number of rays of all kinds.

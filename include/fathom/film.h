@@ -53,50 +53,25 @@ public:
     /// Returns the number of samples per pixel.
     std::uint64_t samples_per_pixel() const;
     /// Returns the number of samples whose value was NaN or infinite. They count as black, which is a bias.
-    std::uint64_t dropped_samples() const;
+    std::uint64_t invalid_samples() const;
     /// Pixel and index of a sample.
     struct SampleLocation {
         int x = 0, y = 0;          ///< Column from the left and row from the top.
         std::uint64_t sample = 0;  ///< Sample index.
     };
-    /// Returns one of the dropped samples, which render_sample() can replay. Returns nothing if none was dropped since
+    /// Returns one of the invalid samples, which render_sample() can replay. Returns nothing if there was none since
     /// the film was created; films read from files don't contain this information.
-    std::optional<SampleLocation> dropped_sample() const;
+    std::optional<SampleLocation> invalid_sample() const;
 
     /// Adds the sums of another film.
     ///
     /// Throws Error, without changing this film, if the keys differ or a sample is in both films.
     void merge(const Film& other);
-    /// Begins to merge a film of another process, whose sums follow in pieces through merge_words(). The film must not
-    /// be used for anything else until the sums of all pixels were added.
-    ///
-    /// key             Key of the other film.
-    /// samples         Its ranges of samples, which count as present in this film from now on.
-    /// dropped         Its number of dropped samples.
-    /// dropped_sample  Its dropped_sample().
-    ///
-    /// Throws Error, without changing this film, if the keys differ or a sample is in both films.
-    void begin_merge(const FilmKey& key, const std::vector<SampleRange>& samples, std::uint64_t dropped,
-                     const std::optional<SampleLocation>& dropped_sample);
-    /// Adds the sums of consecutive pixels of the film named by begin_merge(). Pieces may arrive in any order.
-    ///
-    /// first_pixel  Index of the first pixel, y * width + x.
-    /// words        pixels * words_per_pixel() words, laid out as in words().
-    /// pixels       Number of pixels.
-    void merge_words(std::size_t first_pixel, const std::uint32_t* words, std::size_t pixels);
-    /// Returns the sums: words_per_pixel() words for each pixel, row by row from the top left. docs/film-files.md
-    /// describes the numbers of a pixel.
-    const std::uint32_t* words() const;
-    /// Returns the number of 32-bit words of a pixel's sums.
-    int words_per_pixel() const;
-    /// Adds the sums of `pixels` pixels in `from` to those in `to`, both laid out as in words(). The film supplies the
-    /// layout only; its own sums don't change.
-    void add_words(const std::uint32_t* from, std::uint32_t* to, std::size_t pixels) const;
 
     /// Returns the mean radiance of the samples so far as one layer R, G, B, followed by A if `alpha` is true and the
     /// settings have alpha. Radiance is linear Rec.709 and premultiplied; without samples it is 0.
-    Image picture(bool alpha) const;
-    /// Returns picture(alpha) and a layer for each AOV of the settings:
+    Image beauty(bool alpha) const;
+    /// Returns beauty(alpha) and a layer for each AOV of the settings:
     ///
     /// layer       channels  where nothing is hit
     /// "albedo"    R G B     0
@@ -118,21 +93,6 @@ public:
     /// Estimates fireflies from pixels whose variance is far above that of their neighborhood. For each, it derives the
     /// number of equally bright samples that explains the difference. Returns zeros below 4 samples per pixel.
     Fireflies fireflies() const;
-
-    /// The sums of a film as plain data.
-    struct Sums {
-        /// Size of the image in pixels, and number of 32-bit words of a pixel's sums.
-        int width = 0, height = 0, words_per_pixel = 0;
-        std::vector<std::uint32_t> words;  ///< width * height * words_per_pixel words, as in Film::words().
-        std::vector<SampleRange> samples;  ///< Ranges of sample indices, as Film::samples().
-        std::uint64_t dropped = 0;         ///< Number of dropped samples, as Film::dropped_samples().
-        std::string key;                   ///< Key of the film as FilmKey::text().
-    };
-    /// Returns a copy of the sums.
-    Sums sums() const;
-    /// Creates a film from sums. Throws Error if the key is invalid, sizes contradict it, or the ranges of samples are
-    /// empty, overlapping or beyond max_samples.
-    static Film from_sums(const Sums& sums);
 
     /// Internal state, defined inside the library.
     struct Data;

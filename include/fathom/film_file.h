@@ -31,7 +31,7 @@ public:
     /// Returns the ranges of sample indices in the film: sorted, disjoint, and joined where they touch.
     const std::vector<SampleRange>& samples() const;
     /// Returns the number of samples whose value was NaN or infinite.
-    std::uint64_t dropped_samples() const;
+    std::uint64_t invalid_samples() const;
     /// Returns the names of the image's channels, as in EXR: "R", "albedo.G". The channels of the sums are not
     /// included.
     const std::vector<std::string>& channels() const;

@@ -50,7 +50,7 @@ struct Crop {
 };
 
 /// Everything that determines the bits of an image, except the scene, the camera and the range of samples, which
-/// render() takes as an argument. `threads` and `measure` don't change the image.
+/// render() takes as an argument. `threads` and `measure_stages` don't change the image.
 struct RenderSettings {
     int width = 800, height = 600;  ///< Size of the image in pixels, 1x1 to 65535x65535.
     std::uint32_t seed = 0;         ///< Seed of the random numbers. Images of different seeds have independent noise.
@@ -88,7 +88,7 @@ struct RenderSettings {
 
 /// Identifies what a film contains samples of. Films with equal keys can be merged.
 struct FATHOM_API FilmKey {
-    RenderSettings settings;  ///< Settings of the render; `threads` and `measure` are not part of the key.
+    RenderSettings settings;  ///< Settings of the render; `threads` and `measure_stages` are not part of the key.
     std::string scene;        ///< Fingerprint of the compiled scene and the camera: 32 hexadecimal digits.
 
     /// Returns the key as text for film files: `name=value` fields, separated by semicolons.

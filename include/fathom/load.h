@@ -66,15 +66,9 @@ struct Bounds {
 /// up to nine of their key times.
 FATHOM_API Bounds world_bounds(const SceneDescription& scene);
 
-/// What complete_scene() added.
-struct CompletedScene {
-    std::vector<std::string>
-        added;  ///< Descriptions for people, such as "a camera that frames the scene"; may be empty.
-};
-
-/// How complete_scene() frames a scene. The camera looks from the direction given by azimuth and elevation; azimuth 0
-/// is +z, azimuth 90 is +x.
-struct CompleteOptions {
+/// How add_default_camera() frames a scene. The camera looks from the direction given by azimuth and elevation; azimuth
+/// 0 is +z, azimuth 90 is +x.
+struct FramingOptions {
     double azimuth_deg = 30, elevation_deg = 20;  ///< Direction from the scene to the camera, in degrees.
     bool force_camera = false;                    ///< Adds a camera even if the scene has one, and puts it first.
     double aspect = 4.0 / 3;                      ///< Width / height of the image.
@@ -84,8 +78,8 @@ struct CompleteOptions {
 };
 /// Adds a camera that frames the scene, unless the scene has one. compile_lit() adds light.
 ///
-/// Returns what was added. Throws Error if the scene is invalid.
-FATHOM_API CompletedScene complete_scene(SceneDescription& scene, const CompleteOptions& options);
+/// Returns whether a camera was added. Throws Error if the scene is invalid.
+FATHOM_API bool add_default_camera(SceneDescription& scene, const FramingOptions& options);
 
 /// Returns a camera in world space, where its node places it when its shutter opens. The height of orthographic
 /// cameras, the aperture and the focus distance are multiplied by the scale of the node (the cube root of its volume

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "fathom/api.h"
-#include "fathom/tree_build.h"
+#include "fathom/bvh_quality.h"
 
 namespace fathom {
 
@@ -24,8 +24,8 @@ FATHOM_API std::string available_memory_text();
 /// allocations and throws an Error; it does not control allocations of other libraries.
 ///
 /// bytes    The limit.
-/// said_by  Where the limit comes from, for messages, such as an option; must not be empty.
-FATHOM_API void limit_memory(std::uint64_t bytes, std::string said_by);
+/// source  Where the limit comes from, for messages, such as an option; must not be empty.
+FATHOM_API void limit_memory(std::uint64_t bytes, std::string source);
 
 /// Memory that one part of a task is expected to take.
 struct MemoryEstimate {
@@ -37,7 +37,7 @@ struct MemoryEstimate {
 ///
 /// Estimates err on the high side. Displaced geometry is not included, because its size is unknown before compilation.
 /// Throws Error for a scene that Scene::compile would not accept.
-FATHOM_API std::vector<MemoryEstimate> estimate_memory(const SceneDescription& scene, TreeBuild build);
+FATHOM_API std::vector<MemoryEstimate> estimate_memory(const SceneDescription& scene, BvhQuality build);
 /// Throws Error if the sum of `needs` exceeds the available memory or the limit. The message begins with `file` and
 /// names the largest parts.
 FATHOM_API void check_memory(const std::string& file, std::vector<MemoryEstimate> needs);

@@ -6,9 +6,9 @@
 #include <string>
 
 #include "fathom/api.h"
+#include "fathom/bvh_quality.h"
 #include "fathom/description.h"
 #include "fathom/load.h"
-#include "fathom/tree_build.h"
 
 namespace fathom {
 
@@ -30,7 +30,7 @@ struct CompileStatistics {
 /// An immutable compiled scene: geometry in acceleration structures, materials, textures and lights in tables.
 ///
 /// A copy shares the data of its original, so a Scene is passed by value. Several threads may use it at once. A
-/// default-constructed Scene is empty and may only be assigned to. SceneEdit compiles scenes that change.
+/// default-constructed Scene is empty and may only be assigned to. EditableScene compiles scenes that change.
 class FATHOM_API Scene {
 public:
     /// Compiles `description` on all threads that ThreadLimit allows.
@@ -42,7 +42,7 @@ public:
     /// Throws Error if the scene can't be rendered: no camera, an index out of range, a number that is not finite, a
     /// cycle of nodes, or not enough memory.
     static Scene compile(const SceneDescription& description, const std::string& camera, Warnings& warnings,
-                         TreeBuild build = TreeBuild::standard);
+                         BvhQuality build = BvhQuality::standard);
 
     /// Returns sizes and the compilation time.
     const CompileStatistics& statistics() const;
@@ -58,7 +58,7 @@ public:
     const Data& data() const { return *data_; }
 
 private:
-    friend class SceneEdit;
+    friend class EditableScene;
     std::shared_ptr<const Data> data_;
 };
 

@@ -11,7 +11,7 @@
 namespace fathom {
 
 /// Everything that load_scene_file() reads from a file.
-struct SceneFile {
+struct SceneFileContents {
     SceneDescription scene;             ///< The selected scene, at rest.
     std::string format;                 ///< Name of the file format, such as "glTF".
     std::vector<std::string> scenes;    ///< Names of the scenes in the file (glTF), or numbers if they have no names.
@@ -20,14 +20,15 @@ struct SceneFile {
 };
 /// Reads a scene as load_scene() does, with its animations and the choices that the file offers. Throws Error as
 /// load_scene().
-FATHOM_API SceneFile load_scene_file(const std::filesystem::path& file, const LoadOptions& options, Warnings& warnings);
+FATHOM_API SceneFileContents load_scene_file(const std::filesystem::path& file, const LoadOptions& options,
+                                             Warnings& warnings);
 
-/// Returns the index of an animation in SceneFile::rig.
+/// Returns the index of an animation in SceneFileContents::rig.
 ///
 /// wanted  Name or number of the animation; empty selects the first one.
 ///
 /// Throws Error, listing the animations, if there is none of that name, or none at all.
-FATHOM_API std::size_t find_animation(const SceneFile& file, const std::string& wanted);
+FATHOM_API std::size_t find_animation(const SceneFileContents& file, const std::string& wanted);
 
 /// Returns a world-space box around all geometry at 25 equally spaced times of an animation. The box of the motion in
 /// between can be slightly larger.

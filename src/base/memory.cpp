@@ -19,9 +19,9 @@ namespace {
 /// The limit set by limit_memory().
 struct Limit {
     std::uint64_t bytes = std::numeric_limits<std::uint64_t>::max();
-    std::string said_by;
+    std::string source;
 
-    bool is_set() const { return !said_by.empty(); }
+    bool is_set() const { return !source.empty(); }
 };
 std::mutex limit_mutex;
 Limit limit_of_process;
@@ -76,14 +76,14 @@ std::string available_memory_text()
     const std::uint64_t left = left_of(limit), of_machine = memory_left("/");
     if (left < of_machine)
         return fmt::format("{} of the {} allowed by {} are left", memory_text(double(left)),
-                           memory_text(double(limit.bytes)), limit.said_by);
+                           memory_text(double(limit.bytes)), limit.source);
     return memory_text(double(of_machine)) + " are available";
 }
 
-void limit_memory(std::uint64_t bytes, std::string said_by)
+void limit_memory(std::uint64_t bytes, std::string source)
 {
     const std::lock_guard lock(limit_mutex);
-    limit_of_process = {bytes, std::move(said_by)};
+    limit_of_process = {bytes, std::move(source)};
 }
 
 void check_memory(const std::string& file, std::vector<MemoryEstimate> needs)
@@ -103,7 +103,7 @@ void check_memory(const std::string& file, std::vector<MemoryEstimate> needs)
     const auto taken = double(resident_memory("/"));
     if (needed + taken <= double(limit.bytes)) return;
     needs.push_back({"data read so far", taken});
-    refuse(needed + taken, fmt::format("{} allows {}", limit.said_by, memory_text(double(limit.bytes))));
+    refuse(needed + taken, fmt::format("{} allows {}", limit.source, memory_text(double(limit.bytes))));
 }
 
 std::string memory_text(double bytes)

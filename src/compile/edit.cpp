@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "fathom/edit.h"
+#include "fathom/editable_scene.h"
 
 #include <algorithm>
 #include <utility>
@@ -9,33 +9,33 @@
 
 namespace fathom {
 
-struct SceneEdit::Data {
+struct EditableScene::Data {
     SceneDescription scene;
     SceneCompiler compiler;
     std::shared_ptr<Scene::Data> compiled;  ///< null: full compilation needed
     SceneChanges changes;
     bool anew = true;
 
-    Data(SceneDescription description, std::string camera, TreeBuild build)
+    Data(SceneDescription description, std::string camera, BvhQuality build)
         : scene(std::move(description)), compiler(scene, std::move(camera), build)
     {
     }
 };
 
-SceneEdit::SceneEdit(SceneDescription scene, std::string camera, TreeBuild build)
+EditableScene::EditableScene(SceneDescription scene, std::string camera, BvhQuality build)
     : data_(std::make_unique<Data>(std::move(scene), std::move(camera), build))
 {
 }
-SceneEdit::SceneEdit(SceneEdit&&) noexcept = default;
-SceneEdit& SceneEdit::operator=(SceneEdit&&) noexcept = default;
-SceneEdit::~SceneEdit() = default;
+EditableScene::EditableScene(EditableScene&&) noexcept = default;
+EditableScene& EditableScene::operator=(EditableScene&&) noexcept = default;
+EditableScene::~EditableScene() = default;
 
-const SceneDescription& SceneEdit::description() const
+const SceneDescription& EditableScene::description() const
 {
     return data_->scene;
 }
 
-const std::string& SceneEdit::camera() const
+const std::string& EditableScene::camera() const
 {
     return data_->compiler.camera();
 }
@@ -51,20 +51,20 @@ T& at(std::vector<T>& all, int index)
 
 }  // namespace
 
-void SceneEdit::set_transform(int node, const Transform& parent_from_node)
+void EditableScene::set_transform(int node, const Transform& parent_from_node)
 {
     at(data_->scene.nodes, node).parent_from_node = parent_from_node;
     data_->changes.parts.nodes.push_back(node);
 }
 
-void SceneEdit::set_motion(int node, std::vector<NodeKey> keys)
+void EditableScene::set_motion(int node, std::vector<NodeKey> keys)
 {
     at(data_->scene.nodes, node).motion = std::move(keys);
     data_->changes.parts.nodes.push_back(node);
 }
 
-void SceneEdit::set_vertices(int mesh, std::vector<Vec3f> positions, std::vector<Vec3f> normals,
-                             std::vector<Vec4f> tangents)
+void EditableScene::set_vertices(int mesh, std::vector<Vec3f> positions, std::vector<Vec3f> normals,
+                                 std::vector<Vec4f> tangents)
 {
     Mesh& m = at(data_->scene.meshes, mesh);
     if (!m.movable || positions.size() != m.positions.size()) data_->compiled.reset();
@@ -74,7 +74,7 @@ void SceneEdit::set_vertices(int mesh, std::vector<Vec3f> positions, std::vector
     data_->changes.parts.meshes.push_back(mesh);
 }
 
-void SceneEdit::set_vertex_motion(int mesh, std::vector<MeshKey> keys)
+void EditableScene::set_vertex_motion(int mesh, std::vector<MeshKey> keys)
 {
     Mesh& m = at(data_->scene.meshes, mesh);
     if (!m.movable) data_->compiled.reset();
@@ -82,25 +82,25 @@ void SceneEdit::set_vertex_motion(int mesh, std::vector<MeshKey> keys)
     data_->changes.parts.meshes.push_back(mesh);
 }
 
-void SceneEdit::set_material(int material, const Material& material_now)
+void EditableScene::set_material(int material, const Material& material_now)
 {
     at(data_->scene.materials, material) = material_now;
     data_->changes.parts.materials.push_back(material);
 }
 
-void SceneEdit::set_light(int light, const Light& light_now)
+void EditableScene::set_light(int light, const Light& light_now)
 {
     const Light before = std::exchange(at(data_->scene.lights, light), light_now);
     // Images of lights are decoded together with those of textures, and unused ones must not affect the fingerprint:
     // other images need full compilation.
-    const LightPicture &was = before.picture, &is = light_now.picture;
+    const LightImage &was = before.picture, &is = light_now.picture;
     const bool other_picture = was.image != is.image || was.color_space != is.color_space;
     if (is_pictured(before) != is_pictured(light_now) || (is_pictured(light_now) && other_picture))
         data_->compiled.reset();
     data_->changes.parts.lights.push_back(light);
 }
 
-void SceneEdit::set_environment(const Environment& environment)
+void EditableScene::set_environment(const Environment& environment)
 {
     const Environment& before = data_->scene.environment;
     // Environment images are decoded together with those of textures: other images need full compilation.
@@ -115,12 +115,12 @@ void SceneEdit::set_environment(const Environment& environment)
     data_->changes.environment = true;
 }
 
-void SceneEdit::set_camera(int camera, const Camera& camera_now)
+void EditableScene::set_camera(int camera, const Camera& camera_now)
 {
     at(data_->scene.cameras, camera) = camera_now;
 }
 
-void SceneEdit::set_shutter(double open, double close)
+void EditableScene::set_shutter(double open, double close)
 {
     for (Camera& camera : data_->scene.cameras) {
         camera.shutter_open = open;
@@ -128,7 +128,7 @@ void SceneEdit::set_shutter(double open, double close)
     }
 }
 
-void SceneEdit::set_pose(AnimationPose pose)
+void EditableScene::set_pose(AnimationPose pose)
 {
     SceneDescription& scene = data_->scene;
     const bool reshaped =
@@ -143,26 +143,26 @@ void SceneEdit::set_pose(AnimationPose pose)
     SceneParts& parts = data_->changes.parts;
     for (const auto& [node, transform] : pose.nodes) parts.nodes.push_back(node);
     for (const AnimationPose::Vertices& v : pose.meshes) parts.meshes.push_back(v.mesh);
-    for (const AnimationPose::Number& n : pose.numbers) {
+    for (const AnimationPose::ParameterValue& n : pose.numbers) {
         if (is_of_material(n.value)) parts.materials.push_back(n.target);
         if (is_of_light(n.value)) parts.lights.push_back(n.target);
     }
     fathom::set_pose(scene, std::move(pose));
 }
 
-SceneDescription& SceneEdit::change()
+SceneDescription& EditableScene::edit_description()
 {
     data_->compiled.reset();
     return data_->scene;
 }
 
-Scene SceneEdit::compile_exactly(Warnings& warnings)
+Scene EditableScene::compile_bit_exact(Warnings& warnings)
 {
     if (data_->compiled && !data_->compiler.refresh_space()) data_->compiled.reset();
     return compile(warnings);
 }
 
-Scene SceneEdit::compile(Warnings& warnings)
+Scene EditableScene::compile(Warnings& warnings)
 {
     // Moved out first: after an Error the data must not be reused.
     std::shared_ptr<Scene::Data> scene = std::exchange(data_->compiled, nullptr);
@@ -176,7 +176,7 @@ Scene SceneEdit::compile(Warnings& warnings)
     return result;
 }
 
-bool SceneEdit::recompiled() const
+bool EditableScene::recompiled() const
 {
     return data_->anew;
 }

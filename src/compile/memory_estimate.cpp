@@ -25,16 +25,16 @@ constexpr double bytes_per_environment = 28;  // texel: four floats and the samp
 constexpr double bytes_per_light_texel = 32;  // four floats, temporarily stored twice
 
 /// Bytes that BVH construction takes per triangle.
-double tree_bytes(TreeBuild build)
+double tree_bytes(BvhQuality build)
 {
     switch (build) {
-        case TreeBuild::fast:
+        case BvhQuality::fast:
             return 120;
-        case TreeBuild::standard:
+        case BvhQuality::standard:
             return 135;
-        case TreeBuild::compact:
+        case BvhQuality::compact:
             return 190;
-        case TreeBuild::high:
+        case BvhQuality::high:
             break;
     }
     return 220;
@@ -44,7 +44,7 @@ bool emits(const SceneDescription& scene, const Shape& shape)
 {
     if (shape.material < 0) return false;
     const Material& material = scene.materials[std::size_t(shape.material)];
-    const Color& c = material.emission.value;
+    const Color& c = material.emission.radiance.value;
     return material.kind != MaterialKind::unlit && std::max({c.r, c.g, c.b}) > 0;
 }
 
@@ -209,7 +209,7 @@ std::vector<MemoryEstimate> ShapeMemory::needs() const
             {"lights", lights_ * bytes_per_light}};
 }
 
-std::vector<MemoryEstimate> estimate_memory(const SceneDescription& scene, TreeBuild build)
+std::vector<MemoryEstimate> estimate_memory(const SceneDescription& scene, BvhQuality build)
 {
     check_scene(scene);
     const Places places(scene);

@@ -12,7 +12,7 @@ namespace fathom {
 /// Estimates the memory that shapes take at its peak, during BVH construction. Measurements: docs/performance.md.
 class ShapeMemory {
 public:
-    ShapeMemory(const SceneDescription& scene, TreeBuild build) : scene_(scene), build_(build) {}
+    ShapeMemory(const SceneDescription& scene, BvhQuality build) : scene_(scene), build_(build) {}
 
     /// Adds a shape with `places` occurrences. mesh: its mesh, displaced if its material says so; null for other kinds;
     /// emits: whether it is a light.
@@ -26,7 +26,7 @@ private:
     double add_points(const Points& points);
 
     const SceneDescription& scene_;
-    const TreeBuild build_;
+    const BvhQuality build_;
     std::map<const Mesh*, double> places_of_;  ///< occurrences per mesh
     std::set<const void*> counted_;            ///< curves and points already counted: occurrences share them
     double curves_ = 0, points_ = 0, places_ = 0, lights_ = 0;

@@ -44,7 +44,7 @@ double height_factor(const Camera& camera, double aspect)
 }  // namespace
 
 Scene Scene::compile(const SceneDescription& description, const std::string& camera, Warnings& warnings,
-                     TreeBuild build)
+                     BvhQuality build)
 {
     Scene scene;
     scene.data_ = SceneCompiler(description, camera, build).compile(warnings);

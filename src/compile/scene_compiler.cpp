@@ -67,7 +67,7 @@ CompileStatistics statistics_of(const SceneTables& tables, const KernelScene& ke
 
 /// Throws Error if the compiled scene would not fit into memory, before compilation of geometry. Images are decoded
 /// already.
-void check_memory(const Compiler& c, const FlattenedScene& occurrences, TreeBuild build)
+void check_memory(const Compiler& c, const FlattenedScene& occurrences, BvhQuality build)
 {
     ShapeMemory shapes(c.scene, build);
     for (const FlattenedShape& p : occurrences.shapes) {

@@ -20,7 +20,7 @@ struct SceneChanges {
 /// Compiles a description, which must outlive it, and applies later changes.
 class SceneCompiler {
 public:
-    SceneCompiler(const SceneDescription& scene, std::string camera, TreeBuild build)
+    SceneCompiler(const SceneDescription& scene, std::string camera, BvhQuality build)
         : scene_(scene), camera_(std::move(camera)), build_(build)
     {
     }
@@ -46,7 +46,7 @@ private:
 
     const SceneDescription& scene_;
     const std::string camera_;
-    const TreeBuild build_;
+    const BvhQuality build_;
     RenderSpace space_;
     std::shared_ptr<SceneTables> tables_;
     FlattenedScene occurrences_;

@@ -8,6 +8,7 @@
 
 #include "fathom/error.h"
 #include "film/film_data.h"
+#include "film/film_words.h"
 
 namespace fathom {
 
@@ -109,7 +110,7 @@ void Film::Data::reset(FilmKey new_key)
     layout = FilmLayout(key.settings.aovs, key.settings.alpha);
     samples.clear();
     dropped = 0;
-    dropped_sample.reset();
+    invalid_sample.reset();
     const std::size_t pixels = std::size_t(width) * std::size_t(height);
     words.assign(pixels * std::size_t(layout.words), 0u);
     pass_words.clear();
@@ -144,14 +145,14 @@ const std::vector<SampleRange>& Film::samples() const
 {
     return data_->samples;
 }
-std::uint64_t Film::dropped_samples() const
+std::uint64_t Film::invalid_samples() const
 {
     return data_->dropped;
 }
 
-std::optional<Film::SampleLocation> Film::dropped_sample() const
+std::optional<Film::SampleLocation> Film::invalid_sample() const
 {
-    return data_->dropped_sample;
+    return data_->invalid_sample;
 }
 
 std::uint64_t Film::samples_per_pixel() const
@@ -166,40 +167,41 @@ void Film::merge(const Film& other)
     const Data& from = *other.data_;
     Data& to = *data_;
     to.register_samples(from.key, from.samples, from.dropped);
-    if (!to.dropped_sample) to.dropped_sample = from.dropped_sample;
+    if (!to.invalid_sample) to.invalid_sample = from.invalid_sample;
     const std::size_t pixels = std::size_t(to.width) * std::size_t(to.height);
     for (std::size_t i = 0; i < pixels; ++i) to.add_pixel(i, from.pixel(i));
 }
 
-void Film::begin_merge(const FilmKey& key, const std::vector<SampleRange>& samples, std::uint64_t dropped,
-                       const std::optional<SampleLocation>& dropped_sample)
+int words_per_pixel(const Film& film)
 {
-    data_->register_samples(key, samples, dropped);
-    if (!data_->dropped_sample) data_->dropped_sample = dropped_sample;
+    return film.data().layout.words;
 }
 
-void Film::merge_words(std::size_t first_pixel, const std::uint32_t* words, std::size_t pixels)
+const std::uint32_t* film_words(const Film& film)
 {
-    add_words(words, data_->pixel(first_pixel), pixels);
+    return film.data().words.data();
 }
 
-const std::uint32_t* Film::words() const
+void add_words(const Film& film, const std::uint32_t* from, std::uint32_t* to, std::size_t pixels)
 {
-    return data_->words.data();
+    const auto words = std::size_t(film.data().layout.words);
+    for (std::size_t i = 0; i < pixels; ++i) film.data().add_pixel(to + i * words, from + i * words);
 }
 
-int Film::words_per_pixel() const
+void begin_merge(Film& film, const FilmKey& key, const std::vector<SampleRange>& samples, std::uint64_t invalid,
+                 const std::optional<Film::SampleLocation>& invalid_sample)
 {
-    return data_->layout.words;
+    Film::Data& data = film.data();
+    data.register_samples(key, samples, invalid);
+    if (!data.invalid_sample) data.invalid_sample = invalid_sample;
 }
 
-void Film::add_words(const std::uint32_t* from, std::uint32_t* to, std::size_t pixels) const
+void merge_words(Film& film, std::size_t first_pixel, const std::uint32_t* words, std::size_t pixels)
 {
-    const auto words = std::size_t(data_->layout.words);
-    for (std::size_t i = 0; i < pixels; ++i) data_->add_pixel(to + i * words, from + i * words);
+    add_words(film, words, film.data().pixel(first_pixel), pixels);
 }
 
-Image Film::picture(bool alpha) const
+Image Film::beauty(bool alpha) const
 {
     const Data& film = *data_;
     const double n = double(samples_per_pixel());
@@ -235,7 +237,7 @@ Image Film::image(bool alpha, bool variance) const
         };
     };
 
-    Image image = picture(alpha);
+    Image image = beauty(alpha);
     for (Aov aov : film.key.settings.aovs) {
         const auto id = [&](int word) {
             return [=](const std::uint32_t* pixel, int) { return float(pixel[layout.ids + word]); };
@@ -269,42 +271,6 @@ Image Film::image(bool alpha, bool variance) const
             return float(std::max(0.0, ExactSquareSum::value(square_sum(pixel, c)) * scale - mean * mean) / (n - 1));
         }));
     return image;
-}
-
-Film::Sums Film::sums() const
-{
-    Sums sums;
-    sums.width = data_->width;
-    sums.height = data_->height;
-    sums.words_per_pixel = data_->layout.words;
-    sums.words.assign(data_->words.begin(), data_->words.end());
-    sums.samples = data_->samples;
-    sums.dropped = data_->dropped;
-    sums.key = data_->key.text();
-    return sums;
-}
-
-Film Film::from_sums(const Sums& sums)
-{
-    FilmKey key = FilmKey::parse(sums.key);
-    const RenderSettings& settings = key.settings;
-    if (settings.width != sums.width || settings.height != sums.height)
-        throw Error("", "",
-                    fmt::format("its sums have {}x{} pixels, but its image has {}x{}", sums.width, sums.height,
-                                settings.width, settings.height));
-    const int words = FilmLayout(settings.aovs, settings.alpha).words;
-    const std::size_t pixels = std::size_t(settings.width) * std::size_t(settings.height);
-    if (words != sums.words_per_pixel || sums.words.size() != pixels * std::size_t(words))
-        throw Error("", "", fmt::format("its sums have {} words per pixel, expected {}", sums.words_per_pixel, words));
-    Film film(std::move(key));
-    for (const SampleRange& range : sums.samples) {
-        if (range.first >= range.second || range.second > max_samples)
-            throw Error("", "", fmt::format("the range of samples {}:{} is invalid", range.first, range.second));
-        film.data_->add_range(range);
-    }
-    film.data_->words.assign(sums.words.begin(), sums.words.end());
-    film.data_->dropped = sums.dropped;
-    return film;
 }
 
 }  // namespace fathom

@@ -35,7 +35,7 @@ struct Film::Data {
     FilmLayout layout{{}, false};
     std::vector<SampleRange> samples;
     std::uint64_t dropped = 0;
-    std::optional<SampleLocation> dropped_sample;
+    std::optional<SampleLocation> invalid_sample;
     using Words = std::vector<std::uint32_t, LargeAllocator<std::uint32_t>>;
     Words words;       ///< layout.words per pixel
     Words pass_words;  ///< sums that a cancellable pass writes to, swapped with `words` at its end: see render and

@@ -106,7 +106,7 @@ SceneDescription load_file(const std::filesystem::path& file, const LoadOptions&
     return scene;
 }
 
-SceneFile load_scene_file(const std::filesystem::path& file, const LoadOptions& options, Warnings& warnings)
+SceneFileContents load_scene_file(const std::filesystem::path& file, const LoadOptions& options, Warnings& warnings)
 {
     try {
         LoadContext context(file, options.confine, warnings);
@@ -116,7 +116,7 @@ SceneFile load_scene_file(const std::filesystem::path& file, const LoadOptions& 
         scene.files = context.files();
         context.mesh_faults.report(file.string(), warnings);
         check_scene(scene);
-        SceneFile result = std::move(context.offered);
+        SceneFileContents result = std::move(context.offered);
         result.scene = std::move(scene);
         result.format = context.format;
         return result;
@@ -132,7 +132,7 @@ SceneDescription load_scene(const std::filesystem::path& file, const LoadOptions
     return load_scene_file(file, options, warnings).scene;
 }
 
-std::size_t find_animation(const SceneFile& file, const std::string& wanted)
+std::size_t find_animation(const SceneFileContents& file, const std::string& wanted)
 {
     std::vector<std::string> names;
     names.reserve(file.rig.animations.size());

@@ -38,7 +38,7 @@ std::uint32_t pass_flags(const SceneTables& tables, const MaterialRecord& m)
 
 }  // namespace
 
-LaneScene::LaneScene(std::shared_ptr<const SceneTables> t, TreeBuild level)
+LaneScene::LaneScene(std::shared_ptr<const SceneTables> t, BvhQuality level)
     : tables_owner(std::move(t)), tables(*tables_owner)
 {
     is_flat = FlatScene::fits(tables) && !has_alpha() && !has_transmissive_surfaces(tables);
@@ -103,7 +103,7 @@ std::size_t LaneScene::memory_bytes() const
 
 }  // namespace FATHOM_LANES
 
-std::unique_ptr<KernelScene> make_kernel_scene(std::shared_ptr<const SceneTables> tables, TreeBuild level)
+std::unique_ptr<KernelScene> make_kernel_scene(std::shared_ptr<const SceneTables> tables, BvhQuality level)
 {
     return std::make_unique<LaneScene>(std::move(tables), level);
 }

@@ -136,8 +136,7 @@ void add_light_features(const SceneTables& tables, Features& f)
     f.add(Feature::environment, EnvironmentKind(tables.environment.kind) != EnvironmentKind::none);
     f.add(Feature::textured_lights, any_light([](const LightRecord& light) { return light.material != no_index; }));
     f.add(Feature::moving_lights, any_light([](const LightRecord& light) { return light.motion != 0; }));
-    f.add(Feature::curve_lights,
-          any_light([](const LightRecord& light) { return light.is<CurveLightRecord>(); }));
+    f.add(Feature::curve_lights, any_light([](const LightRecord& light) { return light.is<CurveLightRecord>(); }));
     f.add(Feature::light_pictures, !tables.light_pictures.empty());
 }
 

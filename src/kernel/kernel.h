@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "fathom/api.h"
+#include "fathom/bvh_quality.h"
 #include "fathom/costs.h"
-#include "fathom/tree_build.h"
 #include "film/tile_sums.h"
 #include "guiding/records.h"
 #include "kernel/camera_record.h"
@@ -91,7 +91,7 @@ struct KernelCounters {
 
 /// Builds the acceleration structure and the derived tables of a scene. level: quality of the BVH.
 FATHOM_API std::unique_ptr<KernelScene> make_kernel_scene(std::shared_ptr<const SceneTables> tables,
-                                                          TreeBuild level = TreeBuild::standard);
+                                                          BvhQuality level = BvhQuality::standard);
 /// Renders a job and adds its samples to `sums`, indexed by the position of the pixel in job.pixels.
 FATHOM_API void render_job(const KernelScene& scene, const CameraRecord& camera, const KernelSettings& settings,
                            const KernelJob& job, TileSums& sums, KernelCounters& counters);

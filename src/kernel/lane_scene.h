@@ -44,7 +44,7 @@ struct LaneScene final : KernelScene {
     EnumSet<ClosureKind> closures;  ///< kinds of the closures that scatter
     FilterTable filters[3];         ///< Gaussian, Blackman-Harris, tent
 
-    LaneScene(std::shared_ptr<const SceneTables> t, TreeBuild level);
+    LaneScene(std::shared_ptr<const SceneTables> t, BvhQuality level);
     std::size_t memory_bytes() const override;
     bool has_tree() const override { return !is_flat; }
     void update(const std::vector<std::uint32_t>& shapes) override;

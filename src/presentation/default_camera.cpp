@@ -51,7 +51,7 @@ struct Axes {
     }
 };
 
-std::vector<double> reach_along(const SceneDescription& scene, const CompleteOptions& options,
+std::vector<double> reach_along(const SceneDescription& scene, const FramingOptions& options,
                                 std::span<const Vec3d> directions)
 {
     return options.bounds ? reach_of(*options.bounds, directions) : world_support(scene, directions);
@@ -59,7 +59,7 @@ std::vector<double> reach_along(const SceneDescription& scene, const CompleteOpt
 
 /// Extent of the scene from `middle` along the frustum normals of all cameras on a turntable around it, so that a
 /// turning model keeps its size and stays inside the image.
-std::vector<double> reach_all_around(const SceneDescription& scene, const CompleteOptions& options, double elevation,
+std::vector<double> reach_all_around(const SceneDescription& scene, const FramingOptions& options, double elevation,
                                      double tan_x, double tan_y, const Vec3d& middle)
 {
     constexpr int steps = 32;  // Between two steps a point is at most 0.5 % outside, which the margin covers.
@@ -81,7 +81,7 @@ std::vector<double> reach_all_around(const SceneDescription& scene, const Comple
 /// image, except for a margin. In the camera's axes (right, up, back) a point p is inside the frustum's left plane
 /// where -p.x + t p.z <= -c.x + t c.z, with t the tangent of half the angle and c the camera. So the extents along the
 /// planes' normals determine the camera.
-Camera framing_camera(const SceneDescription& scene, const CompleteOptions& options)
+Camera framing_camera(const SceneDescription& scene, const FramingOptions& options)
 {
     const double azimuth = options.azimuth_deg * std::numbers::pi / 180;
     const double elevation = options.elevation_deg * std::numbers::pi / 180;
@@ -124,17 +124,14 @@ void add_first_camera(SceneDescription& scene, Camera camera)
 
 }  // namespace
 
-CompletedScene complete_scene(SceneDescription& scene, const CompleteOptions& options)
+bool add_default_camera(SceneDescription& scene, const FramingOptions& options)
 {
     check_scene(scene);
-    CompletedScene completed;
     const bool found =
         std::any_of(scene.roots.begin(), scene.roots.end(), [&](int root) { return has_camera(scene, root); });
-    if (found && !options.force_camera) return completed;
+    if (found && !options.force_camera) return false;
     add_first_camera(scene, framing_camera(scene, options));
-    // A requested camera is not reported as added.
-    if (!options.force_camera) completed.added.push_back("a camera that frames the scene");
-    return completed;
+    return true;
 }
 
 }  // namespace fathom

@@ -60,9 +60,9 @@ Material material_of(const Ground& ground, bool studio)
     Material material;
     material.name = "ground";
     material.use_vertex_color = true;
-    material.alpha_mode = AlphaMode::blend;
+    material.opacity.mode = AlphaMode::blend;
     // Cameras below the ground see the model through it.
-    material.single_sided = true;
+    material.visibility.camera_backface_culling = true;
     constexpr float gray = 0.5f;
     material.base_color.value = ground.color.value_or(Color{gray, gray, gray});
     if (ground.color || !studio) return material;
@@ -73,7 +73,7 @@ Material material_of(const Ground& ground, bool studio)
     const auto emitted = [&](float tone) { return float(std::max(tone - most * white, 0.0)); };
     const Color& tone = ground.backdrop;
     material.base_color.value = {reflected(tone.r), reflected(tone.g), reflected(tone.b)};
-    material.emission.value = {emitted(tone.r), emitted(tone.g), emitted(tone.b)};
+    material.emission.radiance.value = {emitted(tone.r), emitted(tone.g), emitted(tone.b)};
     return material;
 }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-#include "fathom/first_look.h"
+#include "fathom/lighting.h"
 
 namespace fathom {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "fathom/first_look.h"
+#include "fathom/lighting.h"
 
 #include <fmt/format.h>
 
@@ -40,14 +40,14 @@ double quantile(const std::vector<double>& sorted, double share)
 
 }  // namespace
 
-double FirstLook::exposure_ev() const
+double LightingProbe::exposure_ev() const
 {
     constexpr double middling = 0.22, white = 1;
     if (!(middle > 0) || !(bright > 0)) return 0;
     return std::min(std::log2(middling / middle), std::log2(white / bright));
 }
 
-FirstLook first_look(const Scene& scene, double aspect)
+LightingProbe probe_lighting(const Scene& scene, double aspect)
 {
     // A few bounces of light, minus the directly visible emission.
     const Image all = small_picture(scene, aspect, 4), lamps = small_picture(scene, aspect, 0);
@@ -56,7 +56,7 @@ FirstLook first_look(const Scene& scene, double aspect)
     std::vector<double> light;
     for (std::size_t i = 0; i < pixels; ++i)
         if (shown[4 * i + 3] >= 0.5f) light.push_back(std::max(0.0, luminance(&shown[4 * i]) - luminance(&own[4 * i])));
-    FirstLook look;
+    LightingProbe look;
     look.covered = double(light.size()) / double(pixels);
     if (light.empty()) return look;
     std::sort(light.begin(), light.end());
@@ -96,7 +96,8 @@ bool has_lamps(const SceneDescription& scene)
 bool has_light(const SceneDescription& scene)
 {
     return has_lamps(scene) || std::any_of(scene.materials.begin(), scene.materials.end(), [](const Material& m) {
-               return std::max({m.emission.value.r, m.emission.value.g, m.emission.value.b}) > 0;
+               return std::max(
+                          {m.emission.radiance.value.r, m.emission.radiance.value.g, m.emission.radiance.value.b}) > 0;
            });
 }
 
@@ -110,17 +111,17 @@ bool is_unlit(const SceneDescription& scene)
 /// Adds the ground if it is requested; the scene must then be compiled again.
 ///
 /// fits  whether a studio alone lights the model
-void add_ground_if_fitting(SceneEdit& edit, AutoLitScene& result, const std::optional<Ground>& ground, bool fits)
+void add_ground_if_fitting(EditableScene& edit, LitScene& result, const std::optional<Ground>& ground, bool fits)
 {
-    if (!ground || (ground->only_where_it_fits && !fits)) return;
+    if (!ground || (ground->only_if_visible_from_above && !fits)) return;
     const SceneDescription& scene = edit.description();
     const Bounds model = ground->bounds ? *ground->bounds : world_bounds(scene);
     if (model.empty) return;
-    if (ground->only_where_it_fits && !ground_fits(model, world_camera(scene, edit.camera()))) return;
+    if (ground->only_if_visible_from_above && !ground_fits(model, world_camera(scene, edit.camera()))) return;
     result.scene = {};
-    add_ground(edit.change(), *ground, model, result.studio);
+    add_ground(edit.edit_description(), *ground, model, result.studio);
     result.ground = true;
-    if (ground->only_where_it_fits)
+    if (ground->only_if_visible_from_above)
         result.added.push_back("a ground plane that catches its shadow (disable it with --ground none)");
 }
 
@@ -128,35 +129,35 @@ void add_ground_if_fitting(SceneEdit& edit, AutoLitScene& result, const std::opt
 
 namespace {
 
-AutoLitScene compile_with_light(SceneEdit& edit, LightChoice light, double aspect, Warnings& warnings,
-                                const std::optional<Ground>& ground)
+LitScene compile_with_light(EditableScene& edit, LightingMode light, double aspect, Warnings& warnings,
+                            const std::optional<Ground>& ground)
 {
     const SceneDescription& scene = edit.description();
     // If less of the visible surface is lit, exposure would only show a lamp and its surroundings.
     constexpr double min_lit = 0.4;
     // If emissive surfaces would need more exposure, they would become white and their labels unreadable.
     constexpr double max_stops_for_surfaces = 2;
-    const bool lit = has_light(scene), own_light = scene.hints.own_light || light == LightChoice::file;
+    const bool lit = has_light(scene), own_light = scene.hints.own_light || light == LightingMode::file;
     const bool lamps = has_lamps(scene);
     const EnvironmentKind sky = scene.environment.kind;
     const bool wants_exposure =
         !scene.hints.exposure && lit && (sky == EnvironmentKind::none || sky == EnvironmentKind::sky);
-    AutoLitScene result;
-    if (light == LightChoice::studio) remove_lights(edit.change());
+    LitScene result;
+    if (light == LightingMode::studio) remove_lights(edit.edit_description());
     const bool needs_studio =
-        light == LightChoice::studio || (light == LightChoice::automatic && !lit && !is_unlit(scene));
+        light == LightingMode::studio || (light == LightingMode::automatic && !lit && !is_unlit(scene));
     if (needs_studio) edit.set_environment(studio_for(world_camera(scene, edit.camera())));
     if (needs_studio || !wants_exposure || is_unlit(scene)) {
         // A backdrop shows the outlines of unlit, dark objects.
-        result.backdrop = needs_studio || (light == LightChoice::automatic && is_unlit(scene) && !own_light);
+        result.backdrop = needs_studio || (light == LightingMode::automatic && is_unlit(scene) && !own_light);
         result.studio = needs_studio;
-        if (needs_studio && light == LightChoice::automatic) result.added.push_back("a studio light");
+        if (needs_studio && light == LightingMode::automatic) result.added.push_back("a studio light");
         add_ground_if_fitting(edit, result, ground, needs_studio && !scene.hints.own_light);
         result.scene = edit.compile(warnings);
         return result;
     }
     result.scene = edit.compile(warnings);
-    const FirstLook look = first_look(result.scene, aspect);
+    const LightingProbe look = probe_lighting(result.scene, aspect);
     if (look.covered == 0) return result;
     const bool is_decoration = !lamps && look.exposure_ev() > max_stops_for_surfaces;
     if ((look.lit < min_lit || is_decoration) && !own_light) {
@@ -186,18 +187,18 @@ AutoLitScene compile_with_light(SceneEdit& edit, LightChoice light, double aspec
 
 }  // namespace
 
-AutoLitScene compile_lit(SceneEdit& edit, LightChoice light, double aspect, Warnings& warnings,
-                         const std::optional<Ground>& ground)
+LitScene compile_lit(EditableScene& edit, LightingMode light, double aspect, Warnings& warnings,
+                     const std::optional<Ground>& ground)
 {
-    AutoLitScene result = compile_with_light(edit, light, aspect, warnings, ground);
+    LitScene result = compile_with_light(edit, light, aspect, warnings, ground);
     warn_of_refracted_lamps(result.scene, edit.description(), warnings);
     return result;
 }
 
-AutoLitScene compile_lit(SceneDescription scene, const std::string& camera, LightChoice light, double aspect,
-                         Warnings& warnings, TreeBuild build, const std::optional<Ground>& ground)
+LitScene compile_lit(SceneDescription scene, const std::string& camera, LightingMode light, double aspect,
+                     Warnings& warnings, BvhQuality build, const std::optional<Ground>& ground)
 {
-    SceneEdit edit(std::move(scene), camera, build);
+    EditableScene edit(std::move(scene), camera, build);
     return compile_lit(edit, light, aspect, warnings, ground);
 }
 

@@ -29,18 +29,18 @@ std::array<double, 4> quaternion(const float* values)
 }
 
 /// Number of components of a channel's value; 0 if any number is valid.
-std::size_t expected_components(AnimatedValue value)
+std::size_t expected_components(AnimatedProperty value)
 {
     switch (value) {
-        case AnimatedValue::translation:
-        case AnimatedValue::scale:
-        case AnimatedValue::emission:
-        case AnimatedValue::intensity:
+        case AnimatedProperty::translation:
+        case AnimatedProperty::scale:
+        case AnimatedProperty::emission:
+        case AnimatedProperty::intensity:
             return 3;
-        case AnimatedValue::rotation:
-        case AnimatedValue::base_color:
+        case AnimatedProperty::rotation:
+        case AnimatedProperty::base_color:
             return 4;
-        case AnimatedValue::weights:
+        case AnimatedProperty::weights:
             return 0;
         default:
             return 1;
@@ -88,7 +88,7 @@ std::vector<double> value_at(const AnimationChannel& channel, double time_s)
         return channel.values.data() + (i * parts + (parts == 3 ? part : 0)) * n;
     };
     const auto& times = channel.times;
-    const bool rotates = channel.value == AnimatedValue::rotation;
+    const bool rotates = channel.value == AnimatedProperty::rotation;
     const auto next = std::upper_bound(times.begin(), times.end(), time_s);
     const std::size_t a = std::size_t(next - times.begin()) - (next == times.begin() ? 0 : 1), b = a + 1;
     std::vector<double> value(key(a, 1), key(a, 1) + n);
@@ -113,57 +113,58 @@ std::vector<double> value_at(const AnimationChannel& channel, double time_s)
     return value;
 }
 
-bool is_node_transform(AnimatedValue value)
+bool is_node_transform(AnimatedProperty value)
 {
-    return value == AnimatedValue::translation || value == AnimatedValue::rotation || value == AnimatedValue::scale;
+    return value == AnimatedProperty::translation || value == AnimatedProperty::rotation ||
+           value == AnimatedProperty::scale;
 }
 
-bool is_of_material(AnimatedValue value)
+bool is_of_material(AnimatedProperty value)
 {
-    return value >= AnimatedValue::base_color && value <= AnimatedValue::normal_scale;
+    return value >= AnimatedProperty::base_color && value <= AnimatedProperty::normal_scale;
 }
 
-bool is_of_light(AnimatedValue value)
+bool is_of_light(AnimatedProperty value)
 {
-    return value >= AnimatedValue::intensity && value <= AnimatedValue::outer_angle;
+    return value >= AnimatedProperty::intensity && value <= AnimatedProperty::outer_angle;
 }
 
-void set_number(Material& m, AnimatedValue value, const std::array<float, 4>& v)
+void set_number(Material& m, AnimatedProperty value, const std::array<float, 4>& v)
 {
     const auto share = [](float x) { return std::clamp(x, 0.0f, 1.0f); };
     switch (value) {
-        case AnimatedValue::base_color:
+        case AnimatedProperty::base_color:
             m.base_color.value = {share(v[0]), share(v[1]), share(v[2])};
             // The base color tints transmitted light.
-            if (m.kind == MaterialKind::glass || m.transmission.value > 0)
-                m.transmission_color.value = m.base_color.value;
-            if (m.alpha_mode != AlphaMode::opaque) m.alpha.value = share(v[3]);
+            if (m.kind == MaterialKind::glass || m.transmission.weight.value > 0)
+                m.transmission.color.value = m.base_color.value;
+            if (m.opacity.mode != AlphaMode::opaque) m.opacity.alpha.value = share(v[3]);
             break;
-        case AnimatedValue::metallic:
+        case AnimatedProperty::metallic:
             m.metallic.value = share(v[0]);
             break;
-        case AnimatedValue::roughness:
+        case AnimatedProperty::roughness:
             m.roughness.value = share(v[0]);
             break;
-        case AnimatedValue::emission:
-            m.emission.value = {std::max(0.0f, v[0]), std::max(0.0f, v[1]), std::max(0.0f, v[2])};
+        case AnimatedProperty::emission:
+            m.emission.radiance.value = {std::max(0.0f, v[0]), std::max(0.0f, v[1]), std::max(0.0f, v[2])};
             break;
-        case AnimatedValue::alpha_cutoff:
-            m.alpha_cutoff = v[0];
+        case AnimatedProperty::alpha_cutoff:
+            m.opacity.cutoff = v[0];
             break;
         default:
-            m.normal_scale = v[0];
+            m.normal_map.scale = v[0];
     }
 }
 
-void set_number(Light& light, AnimatedValue value, const std::array<float, 4>& v)
+void set_number(Light& light, AnimatedProperty value, const std::array<float, 4>& v)
 {
     constexpr double half_pi = 1.5707963267948966;
     switch (value) {
-        case AnimatedValue::intensity:
+        case AnimatedProperty::intensity:
             light.intensity = {std::max(0.0f, v[0]), std::max(0.0f, v[1]), std::max(0.0f, v[2])};
             break;
-        case AnimatedValue::inner_angle:
+        case AnimatedProperty::inner_angle:
             light.inner_angle = std::clamp(double(v[0]), 0.0, light.outer_angle);
             break;
         default:
@@ -171,10 +172,10 @@ void set_number(Light& light, AnimatedValue value, const std::array<float, 4>& v
     }
 }
 
-void set_number(Camera& camera, AnimatedValue value, const std::array<float, 4>& v)
+void set_number(Camera& camera, AnimatedProperty value, const std::array<float, 4>& v)
 {
     constexpr double least = 1e-3, most = 3.14;
-    if (value == AnimatedValue::fov_y)
+    if (value == AnimatedProperty::fov_y)
         camera.fov_y = std::clamp(double(v[0]), least, most);
     else
         camera.height = std::max(1e-9, 2 * std::abs(double(v[0])));
@@ -207,7 +208,7 @@ void set_pose(SceneDescription& scene, AnimationPose pose)
         for (std::size_t set = 0; set < 2; ++set)
             if (!v.uvs[set].empty()) mesh.uvs[set] = std::move(v.uvs[set]);
     }
-    for (const AnimationPose::Number& n : pose.numbers) {
+    for (const AnimationPose::ParameterValue& n : pose.numbers) {
         const auto target = std::size_t(n.target);
         if (is_of_material(n.value))
             set_number(scene.materials.at(target), n.value, n.numbers);

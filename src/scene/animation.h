@@ -17,16 +17,16 @@ std::string problem_of(const AnimationChannel& channel);
 std::vector<double> value_at(const AnimationChannel& channel, double time_s);
 
 /// Whether the value is a translation, rotation or scale of a node.
-bool is_node_transform(AnimatedValue value);
+bool is_node_transform(AnimatedProperty value);
 /// Whether the value is a parameter of a material.
-bool is_of_material(AnimatedValue value);
+bool is_of_material(AnimatedProperty value);
 /// Whether the value is a parameter of a light.
-bool is_of_light(AnimatedValue value);
+bool is_of_light(AnimatedProperty value);
 
 /// Sets an animated parameter; values outside its range are clamped.
-void set_number(Material& material, AnimatedValue value, const std::array<float, 4>& numbers);
-void set_number(Light& light, AnimatedValue value, const std::array<float, 4>& numbers);
-void set_number(Camera& camera, AnimatedValue value, const std::array<float, 4>& numbers);
+void set_number(Material& material, AnimatedProperty value, const std::array<float, 4>& numbers);
+void set_number(Light& light, AnimatedProperty value, const std::array<float, 4>& numbers);
+void set_number(Camera& camera, AnimatedProperty value, const std::array<float, 4>& numbers);
 
 /// Whether two nodes have the same shapes, lights, camera and children.
 bool same_contents(const Node& a, const Node& b);

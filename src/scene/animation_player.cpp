@@ -14,16 +14,16 @@ namespace fathom {
 
 namespace {
 
-void place(NodeRest& node, AnimatedValue value, const std::vector<double>& v)
+void place(NodeRestPose& node, AnimatedProperty value, const std::vector<double>& v)
 {
-    if (value == AnimatedValue::translation) node.translation = {v[0], v[1], v[2]};
-    if (value == AnimatedValue::rotation) node.rotation = {v[0], v[1], v[2], v[3]};
-    if (value == AnimatedValue::scale) node.scale = {v[0], v[1], v[2]};
-    if (value == AnimatedValue::weights) node.weights.assign(v.begin(), v.end());
-    if (value == AnimatedValue::visible) node.visible = v[0] != 0;
+    if (value == AnimatedProperty::translation) node.translation = {v[0], v[1], v[2]};
+    if (value == AnimatedProperty::rotation) node.rotation = {v[0], v[1], v[2], v[3]};
+    if (value == AnimatedProperty::scale) node.scale = {v[0], v[1], v[2]};
+    if (value == AnimatedProperty::weights) node.weights.assign(v.begin(), v.end());
+    if (value == AnimatedProperty::visible) node.visible = v[0] != 0;
 }
 
-Transform transform_of(const NodeRest& node)
+Transform transform_of(const NodeRestPose& node)
 {
     const auto& q = node.rotation;
     return Transform::translate(node.translation) * Transform::rotate_quaternion(q[0], q[1], q[2], q[3]) *
@@ -140,7 +140,7 @@ AnimationPlayer::AnimationPlayer(SceneDescription& scene, AnimationRig rig, std:
     moved_.resize(rig_.nodes.size());
     for (const AnimationChannel& channel : this->animation().channels) {
         if (is_node_transform(channel.value)) moved_[std::size_t(channel.target)] = true;
-        if (channel.value == AnimatedValue::weights) morphed[std::size_t(channel.target)] = true;
+        if (channel.value == AnimatedProperty::weights) morphed[std::size_t(channel.target)] = true;
     }
     for (std::size_t i = 0; i < rig_.nodes.size(); ++i) {
         parent_from_node_.push_back(scene.nodes[i].parent_from_node);
@@ -216,14 +216,14 @@ AnimationPose::Vertices AnimationPlayer::bent(const DeformedMesh& d, const std::
 AnimationPose AnimationPlayer::still(double time_s) const
 {
     AnimationPose pose;
-    std::vector<NodeRest> nodes = rig_.nodes;
+    std::vector<NodeRestPose> nodes = rig_.nodes;
     for (const AnimationChannel& channel : animation().channels) {
         const std::vector<double> value = value_at(channel, time_s);
-        if (channel.value <= AnimatedValue::visible) {
+        if (channel.value <= AnimatedProperty::visible) {
             place(nodes[std::size_t(channel.target)], channel.value, value);
         } else {
-            AnimationPose::Number& number =
-                pose.numbers.emplace_back(AnimationPose::Number{channel.value, channel.target, {}});
+            AnimationPose::ParameterValue& number =
+                pose.numbers.emplace_back(AnimationPose::ParameterValue{channel.value, channel.target, {}});
             std::copy(value.begin(), value.end(), number.numbers.begin());
         }
     }

@@ -44,8 +44,8 @@ Appended append_scene(SceneDescription& to, SceneDescription from)
     }
     for (Material& material : from.materials) {
         for_each_texture(material, material_parameters(), shift_texture);
-        shift(material.material_a, materials);
-        shift(material.material_b, materials);
+        shift(material.mixture.material_a, materials);
+        shift(material.mixture.material_b, materials);
         shift(material.measured, measured);
     }
     for (Node& node : from.nodes) {

@@ -137,7 +137,7 @@ private:
 
     void check_material(const Material& m, const std::string& place) const
     {
-        check_brightness(m.emission.value, place + ".emission");
+        check_brightness(m.emission.radiance.value, place + ".emission");
         for_each_texture(m, material_parameters(), [&](int texture, const char* key) {
             index(texture, scene_.textures.size(), place + '.' + key, "texture");
         });
@@ -146,8 +146,8 @@ private:
         if (m.kind == MaterialKind::measured && m.measured < 0)
             fail(place, "a measured material needs a measured BRDF");
         if (!is_mixture(m)) return;
-        required(m.material_a, scene_.materials.size(), place + ".material_a", "material");
-        required(m.material_b, scene_.materials.size(), place + ".material_b", "material");
+        required(m.mixture.material_a, scene_.materials.size(), place + ".material_a", "material");
+        required(m.mixture.material_b, scene_.materials.size(), place + ".material_b", "material");
     }
 
     static bool is_mixture(const Material& m)
@@ -166,7 +166,8 @@ private:
             for (std::size_t i = 0; i < scene_.materials.size(); ++i) {
                 const Material& m = scene_.materials[i];
                 if (!is_mixture(m)) continue;
-                const int below = std::max(depth[std::size_t(m.material_a)], depth[std::size_t(m.material_b)]);
+                const int below =
+                    std::max(depth[std::size_t(m.mixture.material_a)], depth[std::size_t(m.mixture.material_b)]);
                 if (below < depth[i]) continue;
                 depth[i] = below + 1;
                 grown = true;
@@ -217,13 +218,10 @@ private:
         for (const Parameter<Owner>& p : parameters)
             std::visit(
                 [&](auto member) {
-                    using Member = decltype(member);
-                    if constexpr (std::is_member_object_pointer_v<Member>) {
-                        const auto& value = owner.*member;
-                        bool finite = is_finite(value);
-                        if constexpr (requires { value.value; }) finite = is_finite(value.value);
-                        if (!finite) fail(place + '.' + p.key, "is not finite");
-                    }
+                    const auto& value = member(owner);
+                    bool finite = is_finite(value);
+                    if constexpr (requires { value.value; }) finite = is_finite(value.value);
+                    if (!finite) fail(place + '.' + p.key, "is not finite");
                 },
                 p.member);
     }

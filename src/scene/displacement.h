@@ -22,8 +22,9 @@ struct HeightRange {
     HeightRange() = default;
     explicit HeightRange(const Material& m)
     {
-        const double factor = double(m.displacement.value), middle = double(m.displacement_midlevel);
-        const double white = factor * (1 - middle), black = m.displacement.texture < 0 ? white : factor * -middle;
+        const double factor = double(m.displacement.height.value), middle = double(m.displacement.midlevel);
+        const double white = factor * (1 - middle),
+                     black = m.displacement.height.texture < 0 ? white : factor * -middle;
         least = white < black ? white : black;
         most = white < black ? black : white;
     }

@@ -6,46 +6,55 @@
 #include <cstdint>
 #include <limits>
 #include <span>
+#include <type_traits>
+#include <utility>
 #include <variant>
 
 #include "fathom/description.h"
 
 namespace fathom {
 
-/// A parameter that refers to a texture by index; -1 refers to none.
-template <class Owner>
-struct TextureReference {
-    int Owner::* index;
-    bool operator==(const TextureReference&) const = default;
-};
-/// A parameter that refers to an image by index; -1 refers to none.
-template <class Owner>
-struct ImageReference {
-    int Owner::* index;
-    bool operator==(const ImageReference&) const = default;
-};
-/// A parameter that refers to a material by index; -1 refers to none.
-template <class Owner>
-struct MaterialReference {
-    int Owner::* index;
-    bool operator==(const MaterialReference&) const = default;
+/// Accessor of a value inside of an Owner, which may be nested in a group of it. field<> makes one.
+template <class Owner, class T>
+struct Field {
+    T& (*mutable_value)(Owner&);
+    const T& (*const_value)(const Owner&);
+
+    T& operator()(Owner& owner) const { return mutable_value(owner); }
+    const T& operator()(const Owner& owner) const { return const_value(owner); }
+    bool operator==(const Field&) const = default;
 };
 
+/// Makes the Field of a member: field<&Material::roughness>, or field<&Material::coat, &Material::Coat::roughness>.
+template <auto Member, auto... Inner>
+inline constexpr auto field = []<class Owner, class T>(T Owner::*) {
+    using Value = std::remove_cvref_t<decltype(((std::declval<Owner&>().*Member).*....*Inner))>;
+    return Field<Owner, Value>{[](Owner& owner) -> Value& { return ((owner.*Member).*....*Inner); },
+                               [](const Owner& owner) -> const Value& { return ((owner.*Member).*....*Inner); }};
+}(Member);
+
+/// A parameter that refers to a texture by index; -1 refers to none.
+template <class Owner>
+struct TextureReference : Field<Owner, int> {};
+/// A parameter that refers to an image by index; -1 refers to none.
+template <class Owner>
+struct ImageReference : Field<Owner, int> {};
+/// A parameter that refers to a material by index; -1 refers to none.
+template <class Owner>
+struct MaterialReference : Field<Owner, int> {};
 /// A parameter that refers to a measured BRDF by index; -1 refers to none.
 template <class Owner>
-struct MeasuredReference {
-    int Owner::* index;
-    bool operator==(const MeasuredReference&) const = default;
-};
+struct MeasuredReference : Field<Owner, int> {};
 
 /// A parameter of materials, textures or lights (Owner) that some of their kinds have.
 template <class Owner>
 struct Parameter {
     using Member =
-        std::variant<ColorInput Owner::*, FloatInput Owner::*, Color Owner::*, float Owner::*, double Owner::*,
-                     int Owner::*, bool Owner::*, Vec2f Owner::*, Vec3d Owner::*, Transform Owner::*,
-                     AlphaMode Owner::*, Wrap Owner::*, ColorSpace Owner::*, TextureMapping Owner::*,
-                     SpotFalloff Owner::*, FovAxis Owner::*, std::vector<RampStop> Owner::*, TextureReference<Owner>,
+        std::variant<Field<Owner, ColorInput>, Field<Owner, FloatInput>, Field<Owner, Color>, Field<Owner, float>,
+                     Field<Owner, double>, Field<Owner, int>, Field<Owner, bool>, Field<Owner, Vec2f>,
+                     Field<Owner, Vec3d>, Field<Owner, Transform>, Field<Owner, AlphaMode>, Field<Owner, Wrap>,
+                     Field<Owner, ColorSpace>, Field<Owner, TextureMapping>, Field<Owner, SpotFalloff>,
+                     Field<Owner, FovAxis>, Field<Owner, std::vector<RampStop>>, TextureReference<Owner>,
                      ImageReference<Owner>, MaterialReference<Owner>, MeasuredReference<Owner>>;
     static constexpr double unbounded = std::numeric_limits<double>::infinity();
 
@@ -92,15 +101,7 @@ Owner parameters_of_kind(const Owner& owner, std::span<const Parameter<Owner>> p
     own.name = owner.name;
     own.kind = owner.kind;
     for (const Parameter<Owner>& p : parameters)
-        if (p.is_of(std::uint32_t(owner.kind)))
-            std::visit(
-                [&](auto member) {
-                    if constexpr (requires { member.index; })
-                        own.*member.index = owner.*member.index;
-                    else
-                        own.*member = owner.*member;
-                },
-                p.member);
+        if (p.is_of(std::uint32_t(owner.kind))) std::visit([&](auto member) { member(own) = member(owner); }, p.member);
     return own;
 }
 
@@ -113,12 +114,12 @@ void for_each_texture(Owner& owner, std::span<const Parameter<std::remove_const_
         // Kinds may list the same member separately under different names.
         const auto is_same = [&](const Parameter<Plain>& q) { return q.member == p.member; };
         if (std::any_of(parameters.data(), &p, is_same)) continue;
-        if (const auto* color = std::get_if<ColorInput Plain::*>(&p.member))
-            f((owner.*(*color)).texture, p.key);
-        else if (const auto* number = std::get_if<FloatInput Plain::*>(&p.member))
-            f((owner.*(*number)).texture, p.key);
+        if (const auto* color = std::get_if<Field<Plain, ColorInput>>(&p.member))
+            f((*color)(owner).texture, p.key);
+        else if (const auto* number = std::get_if<Field<Plain, FloatInput>>(&p.member))
+            f((*number)(owner).texture, p.key);
         else if (const auto* texture = std::get_if<TextureReference<Plain>>(&p.member))
-            f(owner.*(texture->index), p.key);
+            f((*texture)(owner), p.key);
     }
 }
 

@@ -120,15 +120,15 @@ void add(PartsText& text, const char* kind, const Owner& owner, std::span<const 
         std::visit(
             [&](auto member) {
                 if constexpr (std::is_same_v<decltype(member), TextureReference<Owner>>)
-                    text.value(p.key, words.texture(owner.*member.index));
+                    text.value(p.key, words.texture(member(owner)));
                 else if constexpr (std::is_same_v<decltype(member), ImageReference<Owner>>)
-                    text.value(p.key, words.image(owner.*member.index));
+                    text.value(p.key, words.image(member(owner)));
                 else if constexpr (std::is_same_v<decltype(member), MeasuredReference<Owner>>)
-                    text.value(p.key, words.measured(owner.*member.index));
+                    text.value(p.key, words.measured(member(owner)));
                 else if constexpr (std::is_same_v<decltype(member), MaterialReference<Owner>>)
-                    text.value(p.key, words.material(owner.*member.index));
+                    text.value(p.key, words.material(member(owner)));
                 else
-                    text.value(p.key, words.of(owner.*member));
+                    text.value(p.key, words.of(member(owner)));
             },
             p.member);
     }

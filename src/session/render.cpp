@@ -117,7 +117,7 @@ struct Worker {
     TileSums sums;
     KernelCounters counters;
     std::uint64_t dropped = 0;
-    std::optional<Film::SampleLocation> dropped_sample;
+    std::optional<Film::SampleLocation> invalid_sample;
 
     /// Runs `work` and adds its time to the stages whose ticks the kernel recorded, or to `stage` if it recorded none.
     template <class Work>
@@ -139,7 +139,7 @@ struct Worker {
         if (sums.dropped == 0) return;
         const std::uint32_t at = pixels[sums.first_dropped_pixel];
         if (dropped == 0)
-            dropped_sample = Film::SampleLocation{int(at & 0xffffu), int(at >> 16), sums.first_dropped_sample};
+            invalid_sample = Film::SampleLocation{int(at & 0xffffu), int(at >> 16), sums.first_dropped_sample};
         dropped += sums.dropped;
     }
 };
@@ -240,7 +240,7 @@ public:
         for (Worker& worker : workers_) {
             costs += worker.counters.costs;
             film_.dropped += worker.dropped;
-            if (worker.dropped > 0 && !film_.dropped_sample) film_.dropped_sample = worker.dropped_sample;
+            if (worker.dropped > 0 && !film_.invalid_sample) film_.invalid_sample = worker.invalid_sample;
             worker.dropped = 0;
         }
         return costs;

@@ -9,7 +9,7 @@
 #include <thread>
 
 #include "fathom/error.h"
-#include "fathom/first_look.h"
+#include "fathom/lighting.h"
 #include "fathom/load.h"
 #include "fathom/memory.h"
 #include "fathom/render.h"
@@ -49,11 +49,11 @@ void wait_at(const std::filesystem::path& gate, std::uint64_t step)
 
 }  // namespace
 
-SceneFile load_scene_file(const std::filesystem::path& file, const LoadOptions& options, Warnings& warnings)
+SceneFileContents load_scene_file(const std::filesystem::path& file, const LoadOptions& options, Warnings& warnings)
 {
     std::ifstream in(file);
     if (!in || std::filesystem::is_directory(file)) throw Error(file.string(), "", "there is no such file");
-    SceneFile result;
+    SceneFileContents result;
     SceneDescription& scene = result.scene;
     scene.file = file.string();
     std::string word;
@@ -103,7 +103,7 @@ SceneFile load_scene_file(const std::filesystem::path& file, const LoadOptions& 
             // The last node, a metre a second along x for two seconds.
             Animation& animation = result.rig.animations.emplace_back();
             in >> animation.name;
-            animation.channels.push_back({AnimatedValue::translation,
+            animation.channels.push_back({AnimatedProperty::translation,
                                           int(scene.nodes.size()) - 1,
                                           Interpolation::linear,
                                           {0, 2},
@@ -127,19 +127,19 @@ SceneDescription load_scene(const std::filesystem::path& file, const LoadOptions
     return load_scene_file(file, options, warnings).scene;
 }
 
-CompletedScene complete_scene(SceneDescription& scene, const CompleteOptions& options)
+bool add_default_camera(SceneDescription& scene, const FramingOptions& options)
 {
-    if (!scene.cameras.empty() && !options.force_camera) return {};
+    if (!scene.cameras.empty() && !options.force_camera) return false;
     // Before the others, as the library does.
     for (Node& node : scene.nodes)
         if (node.camera >= 0) ++node.camera;
     scene.cameras.insert(scene.cameras.begin(), Camera())->position = {options.azimuth_deg, options.elevation_deg, 100};
     scene.nodes.emplace_back().camera = 0;
     scene.roots.push_back(int(scene.nodes.size()) - 1);
-    return {{"camera framing the model"}};
+    return true;
 }
 
-std::size_t find_animation(const SceneFile& file, const std::string& wanted)
+std::size_t find_animation(const SceneFileContents& file, const std::string& wanted)
 {
     for (std::size_t i = 0; i < file.rig.animations.size(); ++i)
         if (wanted.empty() || file.rig.animations[i].name == wanted) return i;
@@ -147,7 +147,7 @@ std::size_t find_animation(const SceneFile& file, const std::string& wanted)
 }
 
 /// 300 MB for each texture.
-std::vector<MemoryEstimate> estimate_memory(const SceneDescription& scene, TreeBuild)
+std::vector<MemoryEstimate> estimate_memory(const SceneDescription& scene, BvhQuality)
 {
     return {{"textures", 3e8 * double(scene.images.size())}, {"triangles", 1000}};
 }
@@ -158,10 +158,10 @@ struct Scene::Data {
 };
 
 Scene Scene::compile(const SceneDescription& description, const std::string& camera, Warnings& warnings,
-                     TreeBuild build)
+                     BvhQuality build)
 {
-    const char* const builds[] = {"fast", "standard", "high", "compact"};  // by TreeBuild
-    if (build != TreeBuild::standard) warnings.add(fmt::format("build {}", builds[std::size_t(build)]));
+    const char* const builds[] = {"fast", "standard", "high", "compact"};  // by BvhQuality
+    if (build != BvhQuality::standard) warnings.add(fmt::format("build {}", builds[std::size_t(build)]));
     auto data = std::make_shared<Data>();
     data->camera = world_camera(description, camera);
     const Camera& c = data->camera;
@@ -185,48 +185,48 @@ Scene Scene::compile(const SceneDescription& description, const std::string& cam
     return scene;
 }
 
-struct SceneEdit::Data {
+struct EditableScene::Data {
     SceneDescription scene;
     std::string camera;
-    TreeBuild build;
+    BvhQuality build;
 };
-SceneEdit::SceneEdit(SceneDescription scene, std::string camera, TreeBuild build)
+EditableScene::EditableScene(SceneDescription scene, std::string camera, BvhQuality build)
     : data_(std::make_unique<Data>(Data{std::move(scene), std::move(camera), build}))
 {
 }
-SceneEdit::SceneEdit(SceneEdit&&) noexcept = default;
-SceneEdit& SceneEdit::operator=(SceneEdit&&) noexcept = default;
-SceneEdit::~SceneEdit() = default;
-const SceneDescription& SceneEdit::description() const
+EditableScene::EditableScene(EditableScene&&) noexcept = default;
+EditableScene& EditableScene::operator=(EditableScene&&) noexcept = default;
+EditableScene::~EditableScene() = default;
+const SceneDescription& EditableScene::description() const
 {
     return data_->scene;
 }
-void SceneEdit::set_pose(AnimationPose pose)
+void EditableScene::set_pose(AnimationPose pose)
 {
     fathom::set_pose(data_->scene, std::move(pose));
 }
-void SceneEdit::set_camera(int camera, const Camera& camera_now)
+void EditableScene::set_camera(int camera, const Camera& camera_now)
 {
     data_->scene.cameras.at(std::size_t(camera)) = camera_now;
 }
-Scene SceneEdit::compile_exactly(Warnings& warnings)
+Scene EditableScene::compile_bit_exact(Warnings& warnings)
 {
     return Scene::compile(data_->scene, data_->camera, warnings, data_->build);
 }
 
 /// A scene of the name `dark` gets a studio and an exposure.
-AutoLitScene compile_lit(SceneEdit& edit, LightChoice light, double aspect, Warnings& warnings,
-                         const std::optional<Ground>& ground)
+LitScene compile_lit(EditableScene& edit, LightingMode light, double aspect, Warnings& warnings,
+                     const std::optional<Ground>& ground)
 {
     const SceneDescription& scene = edit.description();
-    const char* const choices[] = {"auto", "file", "studio"};  // by LightChoice
+    const char* const choices[] = {"auto", "file", "studio"};  // by LightingMode
     warnings.add(
         fmt::format("light {}{} aspect {:.4g}", choices[int(light)], scene.hints.own_light ? ", its own" : "", aspect));
     if (ground)
-        warnings.add(fmt::format("ground {}of {:g}", ground->only_where_it_fits ? "where it fits " : "",
+        warnings.add(fmt::format("ground {}of {:g}", ground->only_if_visible_from_above ? "where it fits " : "",
                                  ground->color.value_or(ground->backdrop).g));
-    AutoLitScene lit;
-    lit.scene = edit.compile_exactly(warnings);
+    LitScene lit;
+    lit.scene = edit.compile_bit_exact(warnings);
     if (scene.file.find("dark") == std::string::npos) return lit;
     lit.added = {"a lamp", "an exposure"};
     lit.exposure_ev = 2;
@@ -282,14 +282,14 @@ bool render(const RenderJob& job, SampleRange range, Film& film, const std::atom
         progress.costs.clear_shadow_rays = progress.samples_done / 2;
         progress.costs.vertices = 2'000'000, progress.costs.shaded_lanes = 2'500'000;
         progress.costs.light_samples = 500'000;
-        if (job.settings().measure) {
+        if (job.settings().measure_stages) {
             progress.costs.seconds[std::size_t(RenderStage::trace)] = 0.75;
             progress.costs.seconds[std::size_t(RenderStage::light)] = 0.25;
         }
         if (on_pass) on_pass(progress, film);
     }
     data.dropped = dropped_per_render;
-    if (data.dropped > 0) data.dropped_sample = Film::SampleLocation{7, 8, 9};
+    if (data.dropped > 0) data.invalid_sample = Film::SampleLocation{7, 8, 9};
     return true;
 }
 Color render_sample(const RenderJob&, int x, int y, std::uint64_t sample)

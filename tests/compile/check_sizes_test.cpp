@@ -48,7 +48,7 @@ std::string error_of(const std::function<void(SceneDescription&)>& change)
         const RenderJob job(compiled, settings);
         Film film(job);
         render(job, {0, 2}, film);
-        if (film.dropped_samples() > 0) return "samples that are no numbers";
+        if (film.invalid_samples() > 0) return "samples that are no numbers";
         for (const auto& [message, times] : warnings.counts()) return message;
     } catch (const Error& error) {
         EXPECT_EQ(error.file(), "s.json");
@@ -141,7 +141,7 @@ TEST(CheckSizes, Lights)
 {
     EXPECT_EQ(error_of([](SceneDescription& scene) {
                   scene.materials.resize(1);
-                  scene.materials[0].emission.value = {1, 1e30f, 1};
+                  scene.materials[0].emission.radiance.value = {1, 1e30f, 1};
                   scene.nodes[0].shapes[0].material = 0;
               }),
               "materials[0].emission: has a brightness of 1e+30; up to 1e+20 can be rendered");

@@ -26,8 +26,8 @@ inline Scene compiled(const SceneDescription& d)
 inline int add_lamp(SceneDescription& d, float radiance, bool two_sided = false)
 {
     Material m;
-    m.emission.value = {radiance, radiance, radiance};
-    m.emission_two_sided = two_sided;
+    m.emission.radiance.value = {radiance, radiance, radiance};
+    m.emission.two_sided = two_sided;
     d.materials.push_back(m);
     return int(d.materials.size()) - 1;
 }

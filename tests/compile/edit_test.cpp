@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "fathom/edit.h"
+#include "fathom/editable_scene.h"
 
 #include <gtest/gtest.h>
 
@@ -10,6 +10,7 @@
 
 #include "compile/scene_data.h"
 #include "fathom/error.h"
+#include "support/film_contents.h"
 
 // After any sequence of edits the scene equals the one compiled from the current description: tables are compared by
 // fingerprint, images bit by bit.
@@ -24,7 +25,7 @@ std::vector<std::uint32_t> picture(const Scene& scene, std::vector<Aov> aovs = {
     const RenderJob job(scene, settings);
     Film film(job);
     render(job, {0, 4}, film);
-    return film.sums().words;
+    return test::words_of(film);
 }
 
 /// A tetrahedron with vertex normals.
@@ -72,7 +73,7 @@ public:
             d.materials.push_back(m);
         }
         Material light;
-        light.emission.value = {5, 4, 3};
+        light.emission.radiance.value = {5, 4, 3};
         lamp = int(d.materials.size());
         d.materials.push_back(light);
         Material glass;
@@ -118,7 +119,7 @@ class Editing : public ::testing::Test {
 protected:
     Warnings warnings;
 
-    void expect_as_compiled(SceneEdit& edit, bool anew)
+    void expect_as_compiled(EditableScene& edit, bool anew)
     {
         const Scene fresh = Scene::compile(edit.description(), "", warnings);
         const Scene edited = edit.compile(warnings);
@@ -141,7 +142,7 @@ Transform random_place(std::mt19937& random)
 
 TEST_F(Editing, FirstSceneIsTheCompiledOne)
 {
-    SceneEdit edit(Room().d);
+    EditableScene edit(Room().d);
     expect_as_compiled(edit, true);
     expect_as_compiled(edit, false);
 }
@@ -150,7 +151,7 @@ TEST_F(Editing, FirstSceneIsTheCompiledOne)
 TEST_F(Editing, FingerprintTellsWhereThingsAre)
 {
     const Room room;
-    SceneEdit edit(room.d);
+    EditableScene edit(room.d);
     const std::uint64_t before = edit.compile(warnings).fingerprint();
     edit.set_transform(room.movable[0], Transform::translate({0, 3, 0}));
     EXPECT_NE(edit.compile(warnings).fingerprint(), before);
@@ -159,7 +160,7 @@ TEST_F(Editing, FingerprintTellsWhereThingsAre)
 TEST_F(Editing, PlacesChange)
 {
     const Room room;
-    SceneEdit edit(room.d);
+    EditableScene edit(room.d);
     edit.compile(warnings);
     const auto before = picture(edit.compile(warnings));
     const std::uint64_t fingerprint = edit.compile(warnings).fingerprint();
@@ -182,7 +183,7 @@ TEST_F(Editing, WhatVanishesComesBack)
 {
     Room room;
     for (const int node : room.movable) room.d.nodes[std::size_t(node)].parent_from_node = Transform::scale({0, 0, 0});
-    SceneEdit edit(room.d);
+    EditableScene edit(room.d);
     expect_as_compiled(edit, true);
     std::mt19937 random(2);
     for (const int node : room.movable) edit.set_transform(node, random_place(random));
@@ -194,7 +195,7 @@ TEST_F(Editing, WhatVanishesComesBack)
 TEST_F(Editing, VerticesChange)
 {
     const Room room;
-    SceneEdit edit(room.d);
+    EditableScene edit(room.d);
     edit.compile(warnings);
     // After enough edits the storage of earlier versions of the mesh must be compacted.
     for (int step = 1; step <= 2000; ++step) {
@@ -227,7 +228,7 @@ TEST_F(Editing, MotionAndShutterChange)
     };
     room.d.nodes[std::size_t(room.movable[0])].motion = keys(0.5);
     room.d.cameras[0].shutter_close = 0.25;
-    SceneEdit edit(room.d);
+    EditableScene edit(room.d);
     expect_as_compiled(edit, true);
     for (int frame = 1; frame < 4; ++frame) {
         SCOPED_TRACE(frame);
@@ -278,7 +279,7 @@ TEST_F(Editing, KeysAtOtherTimesBesideOthers)
         };
         soft.motion = keys(0.5);
         room.d.cameras[0].shutter_close = 1;
-        SceneEdit edit(room.d);
+        EditableScene edit(room.d);
         expect_as_compiled(edit, true);
         edit.set_vertex_motion(room.soft, keys(0.75));
         expect_as_compiled(edit, true);
@@ -311,7 +312,7 @@ TEST_F(Editing, MomentsOfWhatIsNotMovable)
         room.d.meshes.push_back(mesh);
         room.d.roots.push_back(int(room.d.nodes.size()));
         room.d.nodes.push_back(node);
-        SceneEdit edit(room.d);
+        EditableScene edit(room.d);
         expect_as_compiled(edit, true);
         edit.set_shutter(1, 1);
         expect_as_compiled(edit, true);
@@ -321,18 +322,18 @@ TEST_F(Editing, MomentsOfWhatIsNotMovable)
 TEST_F(Editing, MaterialsLightsAndSkyChange)
 {
     const Room room;
-    SceneEdit edit(room.d);
+    EditableScene edit(room.d);
     edit.compile(warnings);
     Material m = room.d.materials[1];
     m.base_color.value = {0.1f, 0.8f, 0.1f};
     m.kind = MaterialKind::metal;
     edit.set_material(1, m);
     expect_as_compiled(edit, false);
-    m.emission.value = {1, 2, 3};
+    m.emission.radiance.value = {1, 2, 3};
     edit.set_material(1, m);
     expect_as_compiled(edit, false);
     Material off = room.d.materials[std::size_t(room.lamp)];
-    off.emission.value = {0, 0, 0};
+    off.emission.radiance.value = {0, 0, 0};
     edit.set_material(room.lamp, off);
     expect_as_compiled(edit, false);
     Light light = room.d.lights[0];
@@ -361,12 +362,12 @@ TEST_F(Editing, PosesAreExact)
     room.d.lights.push_back(sun);
     room.d.nodes[std::size_t(room.soft_node)].light = 1;
     room.d.meshes[std::size_t(room.soft)].uvs[0].assign(4, {0, 0});
-    SceneEdit edit(room.d);
+    EditableScene edit(room.d);
     edit.compile(warnings);
     const auto expect_exact = [&](const AnimationPose& pose, bool anew) {
         edit.set_pose(pose);
         const Scene fresh = Scene::compile(edit.description(), "", warnings);
-        const Scene edited = edit.compile_exactly(warnings);
+        const Scene edited = edit.compile_bit_exact(warnings);
         EXPECT_EQ(edit.recompiled(), anew);
         EXPECT_EQ(edited.fingerprint(), fresh.fingerprint());
         EXPECT_EQ(picture(edited), picture(fresh));
@@ -377,7 +378,8 @@ TEST_F(Editing, PosesAreExact)
     pose.meshes[0].mesh = room.soft;
     pose.meshes[0].positions = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {1, 1, 1}};
     pose.meshes[0].normals.assign(4, {0, 0, 1});
-    pose.numbers = {{AnimatedValue::base_color, 1, {0.9f, 0.1f, 0.2f, 1}}, {AnimatedValue::intensity, 0, {5, 0, 9, 0}}};
+    pose.numbers = {{AnimatedProperty::base_color, 1, {0.9f, 0.1f, 0.2f, 1}},
+                    {AnimatedProperty::intensity, 0, {5, 0, 9, 0}}};
     expect_exact(pose, false);
     // A slightly larger scene keeps the scale of render space but has another radius.
     pose.nodes[0].second = Transform::translate({-3, 1, -26});
@@ -403,17 +405,17 @@ TEST_F(Editing, PosesAreExact)
 TEST_F(Editing, OtherChangesCompileAll)
 {
     const Room room(false);
-    SceneEdit edit(room.d);
+    EditableScene edit(room.d);
     edit.compile(warnings);
     edit.set_transform(room.movable[0], Transform::translate({0, 3, 0}));
     expect_as_compiled(edit, true);
     edit.set_vertices(room.soft, tetrahedron(0.9).positions, tetrahedron(0.9).normals);
     expect_as_compiled(edit, true);
-    edit.change().nodes[std::size_t(room.movable[1])].shapes.push_back({Sphere{{0, 3, 0}, 0.5, {}}, 0, ""});
+    edit.edit_description().nodes[std::size_t(room.movable[1])].shapes.push_back({Sphere{{0, 3, 0}, 0.5, {}}, 0, ""});
     expect_as_compiled(edit, true);
     Material m = room.d.materials[0];
-    m.alpha_mode = AlphaMode::blend;
-    m.alpha.value = 0.5f;
+    m.opacity.mode = AlphaMode::blend;
+    m.opacity.alpha.value = 0.5f;
     edit.set_material(0, m);
     expect_as_compiled(edit, true);
 }
@@ -422,7 +424,7 @@ TEST_F(Editing, OtherChangesCompileAll)
 TEST_F(Editing, ScenesInUseStayAsTheyAre)
 {
     const Room room;
-    SceneEdit edit(room.d);
+    EditableScene edit(room.d);
     const Scene first = edit.compile(warnings);
     const std::uint64_t fingerprint = first.fingerprint();
     const auto before = picture(first);
@@ -435,7 +437,7 @@ TEST_F(Editing, ScenesInUseStayAsTheyAre)
 TEST_F(Editing, WhatIsWrongIsRefusedByName)
 {
     const Room room;
-    SceneEdit edit(room.d);
+    EditableScene edit(room.d);
     edit.compile(warnings);
     const int node = room.movable[0];
     EXPECT_THROW(edit.set_transform(99999, {}), std::out_of_range);

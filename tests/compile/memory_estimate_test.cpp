@@ -52,35 +52,35 @@ SceneDescription nested(const Mesh& mesh, int depth, int children, const Materia
 Material glowing()
 {
     Material material;
-    material.emission.value = {1, 1, 1};
+    material.emission.radiance.value = {1, 1, 1};
     return material;
 }
 
 TEST(MemoryEstimates, InstancedMeshesCountOnceUnlessSmall)
 {
-    const double alone = of(estimate_memory(nested(fan(1000), 1, 0), TreeBuild::standard), "triangles");
+    const double alone = of(estimate_memory(nested(fan(1000), 1, 0), BvhQuality::standard), "triangles");
     EXPECT_GT(alone, 1000 * 100.0);
     // Three copies of three copies make nine: stored once if instanced, nine times if flattened.
-    EXPECT_EQ(of(estimate_memory(nested(fan(1000), 3, 3), TreeBuild::standard), "triangles"), alone);
-    const double small = of(estimate_memory(nested(fan(10), 1, 0), TreeBuild::standard), "triangles");
-    EXPECT_EQ(of(estimate_memory(nested(fan(10), 3, 3), TreeBuild::standard), "triangles"), 9 * small);
-    EXPECT_EQ(of(estimate_memory(nested(fan(10), 3, 3), TreeBuild::standard), "shape instances"),
+    EXPECT_EQ(of(estimate_memory(nested(fan(1000), 3, 3), BvhQuality::standard), "triangles"), alone);
+    const double small = of(estimate_memory(nested(fan(10), 1, 0), BvhQuality::standard), "triangles");
+    EXPECT_EQ(of(estimate_memory(nested(fan(10), 3, 3), BvhQuality::standard), "triangles"), 9 * small);
+    EXPECT_EQ(of(estimate_memory(nested(fan(10), 3, 3), BvhQuality::standard), "shape instances"),
               9 * bytes_per_occurrence);
 }
 
 TEST(MemoryEstimates, EachInstancedEmissiveTriangleIsALight)
 {
-    EXPECT_EQ(of(estimate_memory(nested(fan(1000), 3, 3), TreeBuild::standard), "lights"), 0);
-    const double one = of(estimate_memory(nested(fan(1), 1, 0, glowing()), TreeBuild::standard), "lights");
+    EXPECT_EQ(of(estimate_memory(nested(fan(1000), 3, 3), BvhQuality::standard), "lights"), 0);
+    const double one = of(estimate_memory(nested(fan(1), 1, 0, glowing()), BvhQuality::standard), "lights");
     EXPECT_GE(one, 128);
-    EXPECT_EQ(of(estimate_memory(nested(fan(1000), 3, 3, glowing()), TreeBuild::standard), "lights"), 9000 * one);
+    EXPECT_EQ(of(estimate_memory(nested(fan(1000), 3, 3, glowing()), BvhQuality::standard), "lights"), 9000 * one);
 }
 
 TEST(MemoryEstimates, UnreachableNodesAreNotCounted)
 {
     SceneDescription scene = nested(fan(1000), 2, 1);
     scene.roots = {};
-    const std::vector<MemoryEstimate> needs = estimate_memory(scene, TreeBuild::standard);
+    const std::vector<MemoryEstimate> needs = estimate_memory(scene, BvhQuality::standard);
     for (const MemoryEstimate& need : needs) EXPECT_EQ(need.bytes, 0) << need.what;
 }
 
@@ -110,7 +110,7 @@ protected:
             texture.image = 0;
             texture.color_space = space;
         }
-        return of(estimate_memory(scene, TreeBuild::standard), "textures");
+        return of(estimate_memory(scene, BvhQuality::standard), "textures");
     }
     std::filesystem::path file_;
 };
@@ -175,7 +175,7 @@ TEST(MemoryLimit, LightsThatDoNotFitAreRefusedBeforeTheyAreMade)
     // The memory of the triangles fits twice, but not their lights as well.
     SceneDescription scene = nested(fan(300000), 2, 1, glowing());
     scene.nodes[0].camera = 0;
-    const double triangles = of(estimate_memory(scene, TreeBuild::standard), "triangles");
+    const double triangles = of(estimate_memory(scene, BvhQuality::standard), "triangles");
     const Limited limit(resident_memory("/") + std::uint64_t(2 * triangles));
     Warnings warnings;
     try {

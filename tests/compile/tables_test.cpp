@@ -18,17 +18,17 @@ TEST(MaterialTable, KeepsWhatTheMaterialSays)
     Material m;
     m.kind = MaterialKind::glass;
     m.base_color.value = {0.1f, 0.1f, 0.1f};
-    m.transmission_color.value = {0.2f, 0.3f, 0.4f};
-    m.attenuation_color = {0.5f, 0.25f, 1};
-    m.attenuation_distance = 2;
+    m.transmission.color.value = {0.2f, 0.3f, 0.4f};
+    m.interior.attenuation_color = {0.5f, 0.25f, 1};
+    m.interior.attenuation_distance = 2;
     m.ior = 1.7f;
     m.roughness = {0.3f, -1, 2};
     m.metallic = {0.4f, -1, 1};
-    m.alpha = {0.6f, -1, 0};
-    m.alpha_cutoff = 0.7f, m.alpha_mode = AlphaMode::mask;
-    m.fuzz = 0.8f, m.normal_scale = 0.9f;
+    m.opacity.alpha = {0.6f, -1, 0};
+    m.opacity.cutoff = 0.7f, m.opacity.mode = AlphaMode::mask;
+    m.fuzz = 0.8f, m.normal_map.scale = 0.9f;
     d.materials = {m, m, m, m, m};
-    d.materials[1].thin = true;
+    d.materials[1].interior.thin = true;
     d.materials[2].kind = MaterialKind::unlit;
     d.materials[3].kind = MaterialKind::principled;
     d.materials[4].kind = MaterialKind::fuzz_metal;
@@ -86,12 +86,12 @@ TEST(MaterialTable, SubsurfacesOfAnyTexture)
     d.textures[0].kind = TextureKind::checker_uv;
     Material m;
     m.kind = MaterialKind::principled;
-    m.subsurface.value = 1;
+    m.subsurface.weight.value = 1;
     d.materials = {m, m, m, m, m};
-    d.materials[1].subsurface_color.texture = 0;
-    d.materials[2].subsurface_radius.texture = 0;
-    d.materials[3].subsurface_radius_scale.texture = 0;
-    d.materials[4].subsurface.texture = 0;
+    d.materials[1].subsurface.color.texture = 0;
+    d.materials[2].subsurface.radius.texture = 0;
+    d.materials[3].subsurface.radius_scale.texture = 0;
+    d.materials[4].subsurface.weight.texture = 0;
     const Scene scene = compiled(d);
     const SceneTables& t = *scene.data().tables;
     for (std::size_t i = 0; i < 5; ++i) {
@@ -118,18 +118,24 @@ TEST(MaterialTable, LayersAsNeeded)
     };
     EXPECT_EQ(closure([](Material&) {}), principled);
     EXPECT_EQ(closure([](Material& m) { m.metallic.value = 1; }), principled);
-    EXPECT_EQ(closure([](Material& m) { m.transmission.value = 1; }), glass);
-    EXPECT_EQ(closure([](Material& m) { m.transmission.value = 1, m.thin = true; }), glass);
-    EXPECT_EQ(closure([](Material& m) { m.transmission.value = 1, m.metallic.value = 0.5f; }), layered_transmitting);
-    EXPECT_EQ(closure([](Material& m) { m.transmission.value = 0.5f; }), layered_transmitting);
-    EXPECT_EQ(closure([](Material& m) { m.transmission.value = 1, m.dispersion = 1; }), layered_transmitting);
-    EXPECT_EQ(closure([](Material& m) { m.transmission.value = 1, m.coat.value = 1; }), layered_transmitting);
-    EXPECT_EQ(closure([](Material& m) { m.diffuse_transmission.value = 0.5f; }), layered_transmitting);
-    const std::function<void(Material&)> changes[] = {
-        [](Material& m) { m.coat.value = 0.1f; },           [](Material& m) { m.sheen_color.value = {0, 0.1f, 0}; },
-        [](Material& m) { m.thin_film.value = 0.1f; },      [](Material& m) { m.anisotropy.value = 0.1f; },
-        [](Material& m) { m.diffuse_roughness.value = 1; }, [](Material& m) { m.specular.value = 0.5f; },
-        [](Material& m) { m.specular_color.value.g = 0; },  [](Material& m) { m.edge_color.value.g = 0; }};
+    EXPECT_EQ(closure([](Material& m) { m.transmission.weight.value = 1; }), glass);
+    EXPECT_EQ(closure([](Material& m) { m.transmission.weight.value = 1, m.interior.thin = true; }), glass);
+    EXPECT_EQ(closure([](Material& m) { m.transmission.weight.value = 1, m.metallic.value = 0.5f; }),
+              layered_transmitting);
+    EXPECT_EQ(closure([](Material& m) { m.transmission.weight.value = 0.5f; }), layered_transmitting);
+    EXPECT_EQ(closure([](Material& m) { m.transmission.weight.value = 1, m.transmission.dispersion = 1; }),
+              layered_transmitting);
+    EXPECT_EQ(closure([](Material& m) { m.transmission.weight.value = 1, m.coat.weight.value = 1; }),
+              layered_transmitting);
+    EXPECT_EQ(closure([](Material& m) { m.diffuse_transmission.weight.value = 0.5f; }), layered_transmitting);
+    const std::function<void(Material&)> changes[] = {[](Material& m) { m.coat.weight.value = 0.1f; },
+                                                      [](Material& m) { m.sheen.color.value = {0, 0.1f, 0}; },
+                                                      [](Material& m) { m.thin_film.weight.value = 0.1f; },
+                                                      [](Material& m) { m.microfacets.anisotropy.value = 0.1f; },
+                                                      [](Material& m) { m.diffuse_roughness.value = 1; },
+                                                      [](Material& m) { m.specular.weight.value = 0.5f; },
+                                                      [](Material& m) { m.specular.color.value.g = 0; },
+                                                      [](Material& m) { m.conductor.edge_color.value.g = 0; }};
     for (const auto& change : changes) EXPECT_EQ(closure(change), layered);
 }
 
@@ -145,11 +151,11 @@ TEST(MaterialTable, DisneysPassLightWhereAsked)
     };
     using enum ClosureKind;
     EXPECT_EQ(closure([](Material&) {}).closure, disney);
-    EXPECT_EQ(closure([](Material& m) { m.diffuse_transmission.value = 1; }).closure, disney);
-    EXPECT_EQ(closure([](Material& m) { m.diffuse_transmission.value = 1, m.thin = true; }).closure,
+    EXPECT_EQ(closure([](Material& m) { m.diffuse_transmission.weight.value = 1; }).closure, disney);
+    EXPECT_EQ(closure([](Material& m) { m.diffuse_transmission.weight.value = 1, m.interior.thin = true; }).closure,
               disney_transmitting);
-    EXPECT_NE(closure([](Material& m) { m.transmission.value = 1; }).medium, 0u);
-    EXPECT_EQ(closure([](Material& m) { m.transmission.value = 1, m.thin = true; }).medium, 0u);
+    EXPECT_NE(closure([](Material& m) { m.transmission.weight.value = 1; }).medium, 0u);
+    EXPECT_EQ(closure([](Material& m) { m.transmission.weight.value = 1, m.interior.thin = true; }).medium, 0u);
 }
 
 /// Share of diffusely reflected light that the dielectric boundary of index 1.5 reflects back inside, integrated
@@ -160,7 +166,7 @@ TEST(PlasticTable, LayersLoseAShareWithin)
         SceneDescription d = empty_scene();
         Material m;
         m.kind = MaterialKind::plastic;
-        m.optical_thickness = thickness;
+        m.plastic.optical_thickness = thickness;
         d.materials = {m};
         const Scene scene = compiled(d);
         const auto record = scene.data().tables->materials[0].parameters_as<PlasticRecord>();
@@ -176,8 +182,8 @@ TEST(MaterialTable, CompensationAndOneBoundary)
         SceneDescription d = empty_scene();
         Material m;
         m.kind = MaterialKind::principled;
-        m.energy_compensation = compensated;
-        m.transmission.value = 1, m.thin = true;
+        m.microfacets.energy_compensation = compensated;
+        m.transmission.weight.value = 1, m.interior.thin = true;
         d.materials = {m};
         d.nodes[0].shapes.push_back({Sphere{{0, 0, 0}, 1, {}}, 0, ""});
         const Scene scene = compiled(d);

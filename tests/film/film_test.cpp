@@ -3,6 +3,7 @@
 
 #include "fathom/error.h"
 #include "made_film.h"
+#include "support/film_contents.h"
 
 // Films filled with known sums.
 namespace fathom {
@@ -144,7 +145,7 @@ TEST(FilmMerge, AddsSumsAndKeepsIdsOfTheFirstSample)
         EXPECT_EQ(words[ids], p % 2 ? 1u : 3u);
         EXPECT_EQ(words[ids + 1], (p % 2 ? 100u : 200u) + p);
     }
-    EXPECT_EQ(a.dropped_samples(), 5u);
+    EXPECT_EQ(a.invalid_samples(), 5u);
     EXPECT_EQ(a.samples(), (std::vector<SampleRange>{{0, 5}}));
 }
 
@@ -166,17 +167,17 @@ TEST(FilmMerge, InPiecesIsTheSame)
         }
     }
     own.data().dropped = 2;
-    own.data().dropped_sample = Film::SampleLocation{1, 1, 4};
+    own.data().invalid_sample = Film::SampleLocation{1, 1, 4};
     whole.merge(own);
 
-    pieces.begin_merge(own.key(), own.samples(), own.dropped_samples(), own.dropped_sample());
-    const auto words = std::size_t(own.words_per_pixel());
-    for (std::size_t p = pixels; p-- > 0;) pieces.merge_words(p, own.words() + p * words, 1);
-    EXPECT_EQ(pieces.sums().words, whole.sums().words);
+    begin_merge(pieces, own.key(), own.samples(), own.invalid_samples(), own.invalid_sample());
+    const auto words = std::size_t(words_per_pixel(own));
+    for (std::size_t p = pixels; p-- > 0;) merge_words(pieces, p, film_words(own) + p * words, 1);
+    EXPECT_EQ(test::words_of(pieces), test::words_of(whole));
     EXPECT_EQ(pieces.samples(), (std::vector<SampleRange>{{0, 5}}));
-    EXPECT_EQ(pieces.dropped_samples(), 2u);
-    ASSERT_TRUE(pieces.dropped_sample());
-    EXPECT_EQ(pieces.dropped_sample()->sample, 4u);
+    EXPECT_EQ(pieces.invalid_samples(), 2u);
+    ASSERT_TRUE(pieces.invalid_sample());
+    EXPECT_EQ(pieces.invalid_sample()->sample, 4u);
 
     // Merging partial sums of two films equals merging both films.
     std::vector<std::uint32_t> passing(own.words(), own.words() + pixels * words);
@@ -216,7 +217,7 @@ TEST(FilmMerge, RefusesOtherSettings)
     EXPECT_NO_THROW(test::make_test_film(settings).merge(test::make_test_film(same)));
 }
 
-TEST(FilmSums, ComeBackWithTheirSettings)
+TEST(FilmKey, ComesBackFromItsText)
 {
     RenderSettings settings = settings_with({Aov::material_id, Aov::normal}, true);
     settings.filter = Filter::tent;

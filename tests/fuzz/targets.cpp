@@ -43,7 +43,7 @@ const std::filesystem::path folder = "/nonexistent-folder";
 void use(SceneDescription& scene)
 {
     check_scene(scene);
-    complete_scene(scene, {});
+    add_default_camera(scene, {});
     world_bounds(scene);
 }
 

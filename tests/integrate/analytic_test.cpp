@@ -67,7 +67,7 @@ TEST(Furnace, LosslessPathsHaveNoVariance)
         SceneBuilder b;
         Material glass;
         glass.kind = MaterialKind::glass;
-        glass.thin = thin;
+        glass.interior.thin = thin;
         const int m = b.material(glass);
         if (thin)
             for (int i = 0; i < 4; ++i) b.add(Rectangle{{-50, -50, -2.0 - i}, {100, 0, 0}, {0, 100, 0}}, m);
@@ -171,7 +171,7 @@ TEST(Lights, TextureOfALamp)
             halves.color_b.value = {0, 0, 0};
             b.scene.textures.push_back(halves);
             const int lamp = b.diffuse(0, {3, 3, 3}, true);
-            b.scene.materials[std::size_t(lamp)].emission.texture = 0;
+            b.scene.materials[std::size_t(lamp)].emission.radiance.texture = 0;
             b.add(Rectangle{{0, h, 0}, {2 * a, 0, 0}, {0, 0, c}}, lamp);
             if (!is_alone)
                 b.add(Rectangle{{0, -1, 0}, {a, 0, 0}, {0, 0, c}}, lamp);  // an additional light below the floor
@@ -223,8 +223,8 @@ TEST(Lights, AlphaOfALamp)
             SceneBuilder b = floor_scene(0.5f, 0.5);
             const int lamp = b.diffuse(0, {3, 3, 3}, true);
             Material& m = b.scene.materials[std::size_t(lamp)];
-            m.alpha_mode = cut_out ? AlphaMode::mask : AlphaMode::blend;
-            m.alpha.value = cut_out ? 1 : 0.25f;
+            m.opacity.mode = cut_out ? AlphaMode::mask : AlphaMode::blend;
+            m.opacity.alpha.value = cut_out ? 1 : 0.25f;
             m.use_vertex_color = true;
             b.scene.meshes.push_back(mesh);
             if (cut_out)
@@ -524,9 +524,9 @@ TEST(Alpha, OfEveryShape)
         SceneBuilder b;
         Material m;
         m.kind = MaterialKind::none;
-        m.emission.value = {1, 1, 1};
-        m.alpha_mode = AlphaMode::blend;
-        m.alpha.value = 0.25f;
+        m.emission.radiance.value = {1, 1, 1};
+        m.opacity.mode = AlphaMode::blend;
+        m.opacity.alpha.value = 0.25f;
         b.scene.nodes[0].shapes.push_back({shape, b.material(m), ""});
         b.camera({0, 0, 0}, {0, 0, -1}, 10);
         expect_mean(render_film(b.scene, small_image_settings(), 256), 0.25, 0.01);
@@ -553,8 +553,8 @@ TEST(Alpha, OfAStackOfLayers)
                 SceneBuilder b;
                 Material m;
                 m.kind = MaterialKind::none;
-                m.alpha_mode = AlphaMode::blend;
-                m.alpha.value = alpha;
+                m.opacity.mode = AlphaMode::blend;
+                m.opacity.alpha.value = alpha;
                 const int layer = b.material(m);
                 b.scene.meshes.push_back(grid);
                 for (int i = 0; i < 4; ++i) {
@@ -591,11 +591,11 @@ TEST(Alpha, OfEveryTexture)
             Material m;
             m.kind = MaterialKind::none;
             if (as_alpha) {
-                m.alpha_mode = AlphaMode::blend;
-                m.alpha = {1, 0, 0};
+                m.opacity.mode = AlphaMode::blend;
+                m.opacity.alpha = {1, 0, 0};
                 b.scene.environment = uniform_sky();
             } else {
-                m.emission = {{1, 1, 1}, 0};
+                m.emission.radiance = {{1, 1, 1}, 0};
             }
             b.add(Rectangle{{-2, -2, -5}, {4, 0, 0}, {0, 4, 0}}, b.material(m));
             b.camera({0, 0, 0}, {0, 0, -1}, 30);
@@ -619,7 +619,7 @@ TEST(Textures, OfADistortedDisk)
         b.scene.textures.push_back(checker);
         Material m;
         m.kind = MaterialKind::none;
-        m.emission = {{1, 1, 1}, 0};
+        m.emission.radiance = {{1, 1, 1}, 0};
         Node node;
         node.parent_from_node = transform;
         node.shapes.push_back({Disk{{0, 0, 0}, {0.2, -0.4, 1}, 1}, b.material(m), ""});
@@ -660,8 +660,8 @@ TEST(Textures, TurnWithTheNode)
                 b.scene.textures.push_back(checker);
                 Material m;
                 m.kind = MaterialKind::none;
-                m.emission = {{1, 1, 1}, 0};
-                m.emission_two_sided = true;
+                m.emission.radiance = {{1, 1, 1}, 0};
+                m.emission.two_sided = true;
                 Node node;
                 if (!turns_camera) node.parent_from_node = transform;
                 node.shapes.push_back({shape, b.material(m), ""});
@@ -689,8 +689,8 @@ TEST(Glass, AbsorbsByPathLength)
     SceneBuilder b;
     Material glass;
     glass.kind = MaterialKind::glass;
-    glass.attenuation_color = {0.5f, 0.5f, 0.5f};
-    glass.attenuation_distance = 2;
+    glass.interior.attenuation_color = {0.5f, 0.5f, 0.5f};
+    glass.interior.attenuation_distance = 2;
     b.add(Box{{-50, -50, -1}, {50, 50, 0}}, b.material(glass));
     b.scene.environment = uniform_sky();
     b.camera({0, 0, 1}, {0, 0, 0}, 0.5);

@@ -186,15 +186,15 @@ TEST(ClosedForm, ChannelsOfTextures)
     Texture constant;
     constant.kind = TextureKind::checker_uv;
     constant.color_a.value = constant.color_b.value = {in_texture[0], in_texture[1], in_texture[2]};
-    const auto mean = [&](FloatInput Material::* input, bool textured, int channel) {
+    const auto mean = [&](const Field<Material, FloatInput>& input, bool textured, int channel) {
         SceneBuilder b;
         b.scene.textures.push_back(constant);
         Material m;
         m.kind = MaterialKind::principled;
         m.base_color.value = {0.9f, 0.5f, 0.1f};
         m.roughness.value = 0.5f, m.metallic.value = 0.5f;
-        m.alpha_mode = AlphaMode::blend;
-        m.*input = textured ? FloatInput{0.8f, 0, channel} : FloatInput{0.8f * in_texture[channel], -1, 0};
+        m.opacity.mode = AlphaMode::blend;
+        input(m) = textured ? FloatInput{0.8f, 0, channel} : FloatInput{0.8f * in_texture[channel], -1, 0};
         b.add(Rectangle{{-2, -2, 0}, {4, 0, 0}, {0, 4, 0}}, b.material(m));
         Light light;
         light.intensity = {50, 50, 50};
@@ -202,7 +202,8 @@ TEST(ClosedForm, ChannelsOfTextures)
         b.camera({-2, -1, 2.2}, {0, 0, 0}, 20);
         return mean_of(render_film(b.scene, small_image_settings(16, 16), 16)).value[0];
     };
-    for (FloatInput Material::* input : {&Material::roughness, &Material::metallic, &Material::alpha}) {
+    for (const Field<Material, FloatInput>& input : {field<&Material::roughness>, field<&Material::metallic>,
+                                                     field<&Material::opacity, &Material::Opacity::alpha>}) {
         double last = 0;
         for (int channel = 0; channel < 3; ++channel) {
             const double textured = mean(input, true, channel);

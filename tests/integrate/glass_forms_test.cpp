@@ -18,8 +18,8 @@ TEST(GlassForms, AbsorptionByPathLength)
                 Material glass;
                 glass.kind = MaterialKind::glass;
                 glass.ior = 1;
-                glass.attenuation_color = {0.25f, 0.5f, 0.9f};
-                glass.attenuation_distance = 2 * size;
+                glass.interior.attenuation_color = {0.25f, 0.5f, 0.9f};
+                glass.interior.attenuation_distance = 2 * size;
                 b.add(Box{{-50 * size, -50 * size, -1.5 * size}, {50 * size, 50 * size, 0}}, b.material(glass));
                 for (int i = 0; i < (tree ? 100 : 0); ++i) b.add(Sphere{{0, 1e3 * size + i, 1e3 * size}, 0.1, {}}, 0);
                 b.scene.environment = uniform_sky({1, 2, 4});
@@ -48,10 +48,10 @@ TEST(GlassForms, ASlabShiftsWhatIsBehindIt)
             Material glass, light;
             glass.kind = MaterialKind::glass;
             glass.ior = ior;
-            glass.thin = thin;
+            glass.interior.thin = thin;
             light.kind = MaterialKind::none;
-            light.emission.value = {1, 1, 1};
-            light.emission_two_sided = true;
+            light.emission.radiance.value = {1, 1, 1};
+            light.emission.two_sided = true;
             if (thin)
                 b.add(Rectangle{{-50, -50, 0}, {100, 0, 0}, {0, 100, 0}}, b.material(glass));
             else
@@ -121,7 +121,7 @@ TEST(GlassForms, RouletteIsUnbiased)
             SceneBuilder b;
             Material glass;
             glass.kind = MaterialKind::glass;
-            if (coloured) glass.transmission_color.value = {0.5f, 0.7f, 0.9f};
+            if (coloured) glass.transmission.color.value = {0.5f, 0.7f, 0.9f};
             b.add(Sphere{{0, 0, 0}, 1, {}}, b.material(glass));
             b.add(Sphere{{0, 0, 0}, -0.6, {}}, b.material(glass));
             b.scene.environment = uniform_sky({1, 1, 1});

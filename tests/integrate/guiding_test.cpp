@@ -3,6 +3,7 @@
 #include <numeric>
 
 #include "picture_helpers.h"
+#include "support/film_contents.h"
 
 namespace fathom {
 namespace {
@@ -70,7 +71,7 @@ void expect_in_use(const SceneDescription& scene, const RenderSettings& settings
 {
     RenderSettings plain = settings;
     plain.guiding = false;
-    EXPECT_NE(render_film(scene, settings, 2).sums().words, render_film(scene, plain, 2).sums().words) << what;
+    EXPECT_NE(test::words_of(render_film(scene, settings, 2)), test::words_of(render_film(scene, plain, 2))) << what;
 }
 
 RenderCosts costs_of(const SceneDescription& description, const RenderSettings& settings, std::uint64_t samples)
@@ -93,7 +94,7 @@ double nee_fraction(const SceneDescription& description, const RenderSettings& s
 TEST(Guiding, ChangesTheNoiseOnly)
 {
     Material coated = of_kind(MaterialKind::principled, 0.6f);
-    coated.coat.value = 1;
+    coated.coat.weight.value = 1;
     struct Case {
         const char* what;
         Material material;
@@ -162,12 +163,12 @@ TEST(Guiding, SamplesLightsByChanceInFog)
     SceneBuilder b = two_floors(gray(0.85f), 1, 1);
     Material pane, fog;
     pane.kind = fog.kind = MaterialKind::glass;
-    pane.thin = true;
+    pane.interior.thin = true;
     b.add(Rectangle{{1, 1.5, 2}, {1, 0, 0}, {0, 0, -4}}, b.material(pane));
     fog.ior = 1;
-    fog.attenuation_distance = 1;
-    fog.attenuation_color = {0.85f, 0.85f, 0.85f};
-    fog.transmission_scatter = {0.15f, 0.15f, 0.15f};
+    fog.interior.attenuation_distance = 1;
+    fog.interior.attenuation_color = {0.85f, 0.85f, 0.85f};
+    fog.interior.scatter = {0.15f, 0.15f, 0.15f};
     b.add(Box{{-1.9, 0.1, -1.9}, {1.7, 1.4, 1.9}}, b.material(fog));
     EXPECT_LT(nee_fraction(b.scene, guided()), 0.45);
     expect_same_mean(render_film(b.scene, guided(), 768), render_film(b.scene, small_image_settings(), 1536), "fog");
@@ -219,8 +220,8 @@ TEST(Guiding, KeepsTheRadianceOfAClosedRoom)
 {
     SceneBuilder b;
     Material glowing = gray(0.5f);
-    glowing.emission.value = {1, 1, 1};
-    glowing.emission_two_sided = true;
+    glowing.emission.radiance.value = {1, 1, 1};
+    glowing.emission.two_sided = true;
     add_room(b, b.material(glowing));
     b.add(Sphere{{0, 1, 0}, 0.5, {}}, b.material(glowing));
     b.camera({1.9, 1.5, -1.8}, {0.6, 0.9, 0.6}, 70);
@@ -268,7 +269,7 @@ TEST(Guiding, HasTheSameBitsForAnyThreadsPassesAndCrop)
         const RenderJob job(scene, settings);
         Film film(job);
         for (const SampleRange& range : ranges) EXPECT_TRUE(render(job, range, film));
-        return film.sums().words;
+        return test::words_of(film);
     };
     RenderSettings settings = guided();
     const std::vector<std::uint32_t> all = words(settings, {{0, 8}});
@@ -322,7 +323,7 @@ TEST(Guiding, IsLeftOutWhereItWouldNotPay)
 TEST(Guiding, TellsTheTimeThatWasSpentOnLearning)
 {
     const auto learning_s = [&](const SceneDescription& scene, RenderSettings settings) {
-        settings.measure = true;
+        settings.measure_stages = true;
         return costs_of(scene, settings, 1).seconds[std::size_t(RenderStage::learn)];
     };
     // Learning traces a quarter of a million paths, which takes at least a millisecond anywhere.

@@ -80,8 +80,8 @@ TEST(HairLobes, AbsorbByThePathLengthThroughAllSegments)
 {
     const Curves chain = bent(CurveBasis::linear);
     Material clear = glass(1);
-    clear.attenuation_color = {0.3f, 0.3f, 0.3f};
-    clear.attenuation_distance = 0.2;
+    clear.interior.attenuation_color = {0.3f, 0.3f, 0.3f};
+    clear.interior.attenuation_distance = 0.2;
     int thick = 0;
     for (int i = 0; i < 60; ++i) {
         const Vec3d at{std::sin(1.7 * i) * 1.1, 0.03 * i - 0.9, std::cos(2.3 * i) * 1.1};

@@ -12,7 +12,7 @@ Material hair(Color absorption)
     Material m;
     m.kind = MaterialKind::hair;
     m.base_color = {{1, 1, 1}, -1};
-    m.absorption = {absorption, -1};
+    m.hair.absorption = {absorption, -1};
     return m;
 }
 
@@ -141,15 +141,15 @@ TEST(Hair, ColorByMelaninAbsorptionOrColor)
         return mean_of(render_film(s.scene, small_image_settings(16, 16), 64));
     };
     Material by_melanin = hair({0, 0, 0}), both = hair({0.3f, 0.3f, 0.3f});
-    by_melanin.eumelanin = 0.8f, by_melanin.pheomelanin = 0.5f;
-    both.eumelanin = 3;
+    by_melanin.hair.eumelanin = 0.8f, by_melanin.hair.pheomelanin = 0.5f;
+    both.hair.eumelanin = 3;
     Material by_absorption =
         hair({0.8f * 0.419f + 0.5f * 0.187f, 0.8f * 0.697f + 0.5f * 0.4f, 0.8f * 1.37f + 0.5f * 1.05f});
     Material by_color = hair({0, 0, 0});
     // Fit of Chiang et al. 2016 for azimuthal roughness 0.3.
     const double fit = 5.969 - 0.215 * 0.3 + 2.532 * 0.09 - 10.73 * 0.027 + 5.574 * 0.0081 + 0.245 * 0.00243;
     const auto look = [&](double sigma) { return float(std::exp(-std::sqrt(sigma) * fit)); };
-    const Color a = by_absorption.absorption.value;
+    const Color a = by_absorption.hair.absorption.value;
     by_color.base_color.value = {look(a.r), look(a.g), look(a.b)};
     const Mean one = albedo(by_melanin), two = albedo(by_absorption), three = albedo(by_color);
     for (int c = 0; c < 3; ++c) {

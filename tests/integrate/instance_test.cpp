@@ -45,8 +45,8 @@ TEST(InstanceImages, is_that_of_the_mesh_itself)
                 if (glass) {
                     m.kind = MaterialKind::glass;
                     m.base_color.value = {1, 1, 1};
-                    m.attenuation_color = {0.2f, 0.6f, 0.9f};
-                    m.attenuation_distance = 1;
+                    m.interior.attenuation_color = {0.2f, 0.6f, 0.9f};
+                    m.interior.attenuation_distance = 1;
                 }
                 const int material = s.material(m);
                 Light sun;

@@ -13,7 +13,7 @@ Material lamp(float radiance)
 {
     Material m;
     m.kind = MaterialKind::none;
-    m.emission.value = {radiance, radiance, radiance};
+    m.emission.radiance.value = {radiance, radiance, radiance};
     return m;
 }
 
@@ -39,7 +39,7 @@ TEST(LampVisibility, CamerasLookThroughHiddenLamps)
 {
     Material light = lamp(3);
     expect_mean(render_film(LitFloor(light).scene, small_image_settings(4, 4), 64), 0);
-    light.hidden_from_camera = true;
+    light.visibility.hidden_from_camera = true;
     expect_mean(render_film(LitFloor(light).scene, small_image_settings(4, 4), 1024), 0.5 * 3 * radiosity());
     // A hidden light is also invisible from its front.
     LitFloor turned(light);
@@ -50,13 +50,13 @@ TEST(LampVisibility, CamerasLookThroughHiddenLamps)
 TEST(LampVisibility, NoRayHitsInvisibleLights)
 {
     Material light = lamp(3);
-    light.invisible_light = true;
+    light.visibility.invisible_light = true;
     const double expected = 0.5 * 3 * radiosity();
     expect_mean(render_film(LitFloor(light).scene, small_image_settings(4, 4), 1024), expected);
     // Alpha does not change an invisible light.
-    light.alpha_mode = AlphaMode::blend;
+    light.opacity.mode = AlphaMode::blend;
     for (const float alpha : {0.f, 0.5f}) {
-        light.alpha.value = alpha;
+        light.opacity.alpha.value = alpha;
         expect_mean(render_film(LitFloor(light).scene, small_image_settings(4, 4), 1024), expected);
     }
     // The light occludes nothing: another light above it contributes too.
@@ -70,7 +70,7 @@ TEST(LampVisibility, InMirrors)
 {
     for (const bool is_hidden : {true, false}) {
         Material light = lamp(3), mirror;
-        light.hidden_from_camera = is_hidden, light.invisible_light = !is_hidden;
+        light.visibility.hidden_from_camera = is_hidden, light.visibility.invisible_light = !is_hidden;
         mirror.kind = MaterialKind::metal;
         mirror.base_color.value = {1, 1, 1};
         LitFloor scene(light);
@@ -84,7 +84,7 @@ TEST(LampVisibility, InvisibleBalls)
 {
     for (const bool is_invisible : {false, true}) {
         Material light = lamp(10);
-        light.invisible_light = is_invisible;
+        light.visibility.invisible_light = is_invisible;
         SceneBuilder scene;
         scene.add(Rectangle{{-1e-3, -1e-3, 0}, {2e-3, 0, 0}, {0, 2e-3, 0}}, scene.diffuse(1));
         scene.add(Sphere{{0, 0, 2}, 0.5, {}}, scene.material(light));

@@ -61,15 +61,16 @@ void enable_all_layers(Material& m)
 {
     m.base_color.value = {0.6f, 0.5f, 0.4f};
     m.metallic.value = 0.4f;
-    m.specular.value = 0.8f, m.specular_color.value = {0.9f, 0.8f, 0.7f}, m.edge_color.value = {0.8f, 0.7f, 0.9f};
-    m.anisotropy.value = 0.6f;
+    m.specular.weight.value = 0.8f, m.specular.color.value = {0.9f, 0.8f, 0.7f},
+    m.conductor.edge_color.value = {0.8f, 0.7f, 0.9f};
+    m.microfacets.anisotropy.value = 0.6f;
     m.diffuse_roughness.value = 0.5f;
-    m.transmission.value = 0.3f, m.transmission_color.value = {0.9f, 0.6f, 0.8f};
-    m.diffuse_transmission.value = 0.6f, m.diffuse_transmission_color.value = {0.7f, 0.9f, 0.5f};
-    m.thin = true;
-    m.coat.value = 0.7f, m.coat_roughness.value = 0.4f, m.coat_color.value = {0.9f, 0.8f, 0.6f};
-    m.sheen_color.value = {0.3f, 0.5f, 0.4f}, m.sheen_roughness.value = 0.6f;
-    m.thin_film.value = 0.5f, m.thin_film_thickness.value = 350;
+    m.transmission.weight.value = 0.3f, m.transmission.color.value = {0.9f, 0.6f, 0.8f};
+    m.diffuse_transmission.weight.value = 0.6f, m.diffuse_transmission.color.value = {0.7f, 0.9f, 0.5f};
+    m.interior.thin = true;
+    m.coat.weight.value = 0.7f, m.coat.roughness.value = 0.4f, m.coat.color.value = {0.9f, 0.8f, 0.6f};
+    m.sheen.color.value = {0.3f, 0.5f, 0.4f}, m.sheen.roughness.value = 0.6f;
+    m.thin_film.weight.value = 0.5f, m.thin_film.thickness.value = 350;
 }
 
 /// The counterpart for the Disney closure, solid or thin.
@@ -78,14 +79,14 @@ void enable_all_disney_lobes(Material& m, bool thin)
     m.kind = MaterialKind::disney;
     m.base_color.value = {0.6f, 0.2f, 0.4f};
     m.metallic.value = 0.4f, m.roughness.value = 0.6f;
-    m.anisotropy.value = 0.6f, m.flatness.value = 0.5f, m.specular_tint.value = 0.4f;
-    m.sheen.value = 0.5f, m.sheen_tint.value = 0.6f;
-    m.coat.value = 0.7f, m.coat_gloss.value = 0.3f;
-    m.transmission.value = 0.3f, m.diffuse_transmission.value = 0.6f;
-    m.thin = thin;
+    m.microfacets.anisotropy.value = 0.6f, m.disney.flatness.value = 0.5f, m.disney.specular_tint.value = 0.4f;
+    m.disney.sheen.value = 0.5f, m.disney.sheen_tint.value = 0.6f;
+    m.coat.weight.value = 0.7f, m.disney.coat_gloss.value = 0.3f;
+    m.transmission.weight.value = 0.3f, m.diffuse_transmission.weight.value = 0.6f;
+    m.interior.thin = thin;
 }
 
-using Number = std::pair<const char*, FloatInput Material::*>;
+using Number = std::pair<const char*, Field<Material, FloatInput>>;
 
 /// A number times a texture channel equals the plain product, and changes the result.
 void expect_textured_numbers(const Shown& shown, void (*add_objects)(Material&), std::span<const Number> numbers)
@@ -109,31 +110,33 @@ void expect_textured_numbers(const Shown& shown, void (*add_objects)(Material&),
 }
 TEST(LayerForms, NumbersHaveTextures)
 {
-    const Number numbers[] = {{"specular", &Material::specular},
-                              {"anisotropy", &Material::anisotropy},
-                              {"transmission", &Material::transmission},
-                              {"diffuse_transmission", &Material::diffuse_transmission},
-                              {"diffuse_roughness", &Material::diffuse_roughness},
-                              {"coat", &Material::coat},
-                              {"coat_roughness", &Material::coat_roughness},
-                              {"sheen_roughness", &Material::sheen_roughness},
-                              {"thin_film", &Material::thin_film},
-                              {"thin_film_thickness", &Material::thin_film_thickness}};
+    const Number numbers[] = {
+        {"specular", field<&Material::specular, &Material::Specular::weight>},
+        {"anisotropy", field<&Material::microfacets, &Material::Microfacets::anisotropy>},
+        {"transmission", field<&Material::transmission, &Material::Transmission::weight>},
+        {"diffuse_transmission", field<&Material::diffuse_transmission, &Material::DiffuseTransmission::weight>},
+        {"diffuse_roughness", field<&Material::diffuse_roughness>},
+        {"coat", field<&Material::coat, &Material::Coat::weight>},
+        {"coat_roughness", field<&Material::coat, &Material::Coat::roughness>},
+        {"sheen_roughness", field<&Material::sheen, &Material::Sheen::roughness>},
+        {"thin_film", field<&Material::thin_film, &Material::ThinFilm::weight>},
+        {"thin_film_thickness", field<&Material::thin_film, &Material::ThinFilm::thickness>}};
     expect_textured_numbers({}, enable_all_layers, numbers);
 }
 TEST(LayerForms, DisneysNumbersHaveTextures)
 {
-    const Number solid[] = {{"anisotropy", &Material::anisotropy},
-                            {"flatness", &Material::flatness},
-                            {"sheen", &Material::sheen},
-                            {"sheen_tint", &Material::sheen_tint},
-                            {"coat", &Material::coat},
-                            {"coat_gloss", &Material::coat_gloss},
-                            {"metallic", &Material::metallic},
-                            {"specular_tint", &Material::specular_tint},
-                            {"roughness", &Material::roughness},
-                            {"transmission", &Material::transmission}};
-    const Number sheet[] = {{"diffuse_transmission", &Material::diffuse_transmission}};
+    const Number solid[] = {{"anisotropy", field<&Material::microfacets, &Material::Microfacets::anisotropy>},
+                            {"flatness", field<&Material::disney, &Material::Disney::flatness>},
+                            {"sheen", field<&Material::disney, &Material::Disney::sheen>},
+                            {"sheen_tint", field<&Material::disney, &Material::Disney::sheen_tint>},
+                            {"coat", field<&Material::coat, &Material::Coat::weight>},
+                            {"coat_gloss", field<&Material::disney, &Material::Disney::coat_gloss>},
+                            {"metallic", field<&Material::metallic>},
+                            {"specular_tint", field<&Material::disney, &Material::Disney::specular_tint>},
+                            {"roughness", field<&Material::roughness>},
+                            {"transmission", field<&Material::transmission, &Material::Transmission::weight>}};
+    const Number sheet[] = {
+        {"diffuse_transmission", field<&Material::diffuse_transmission, &Material::DiffuseTransmission::weight>}};
     // Sheen is visible at these grazing directions.
     const Shown shown{normalize(Vec3d{1.5, -0.3, 0.5}), normalize(Vec3d{-1.2, 0.6, 0.4})};
     expect_textured_numbers(shown, [](Material& m) { enable_all_disney_lobes(m, false); }, solid);
@@ -143,14 +146,15 @@ TEST(LayerForms, ColorsHaveTextures)
 {
     struct Named {
         std::string name;
-        ColorInput Material::* member;
+        Field<Material, ColorInput> member;
     };
-    const Named colors[] = {{"specular_color", &Material::specular_color},
-                            {"edge_color", &Material::edge_color},
-                            {"transmission_color", &Material::transmission_color},
-                            {"diffuse_transmission_color", &Material::diffuse_transmission_color},
-                            {"coat_color", &Material::coat_color},
-                            {"sheen_color", &Material::sheen_color}};
+    const Named colors[] = {
+        {"specular_color", field<&Material::specular, &Material::Specular::color>},
+        {"edge_color", field<&Material::conductor, &Material::Conductor::edge_color>},
+        {"transmission_color", field<&Material::transmission, &Material::Transmission::color>},
+        {"diffuse_transmission_color", field<&Material::diffuse_transmission, &Material::DiffuseTransmission::color>},
+        {"coat_color", field<&Material::coat, &Material::Coat::color>},
+        {"sheen_color", field<&Material::sheen, &Material::Sheen::color>}};
     for (const auto& [name, member] : colors) {
         Shown shown;
         const bool is_beyond = name.find("transmission") != std::string::npos;
@@ -179,8 +183,8 @@ TEST(LayerForms, DiffuseTransmissionOfLightFromBehind)
     Shown shown;
     shown.to_light = normalize(Vec3d{-0.3, 0.4, -0.9});
     const Color c = shown.of([&](Material& m, SceneBuilder&) {
-        m.specular.value = 0;
-        m.diffuse_transmission.value = 0.4f, m.diffuse_transmission_color.value = {0.9f, 0.5f, 0.2f};
+        m.specular.weight.value = 0;
+        m.diffuse_transmission.weight.value = 0.4f, m.diffuse_transmission.color.value = {0.9f, 0.5f, 0.2f};
     });
     const double lambert = 0.4 * -shown.to_light.z / pi;
     expect_equal(c, {float(0.9 * lambert), float(0.5 * lambert), float(0.2 * lambert)}, "from behind");
@@ -208,10 +212,10 @@ TEST(LayerForms, CoatHasItsOwnNormal)
         const Shown shown;
         const Color c = shown.of([&](Material& m, SceneBuilder& b) {
             m.base_color.value = {0, 0, 0};
-            m.specular.value = 0;
-            m.coat.value = 0.75f, m.coat_roughness.value = 0.5f;
-            m.coat_normal_texture = constant(b, {float(0.5 + n.x / 2), float(0.5 + n.y / 2), float(0.5 + n.z / 2)});
-            if (base_is_bent) m.normal_texture = constant(b, {0.4f, 0.6f, 0.9f});
+            m.specular.weight.value = 0;
+            m.coat.weight.value = 0.75f, m.coat.roughness.value = 0.5f;
+            m.coat.normal_texture = constant(b, {float(0.5 + n.x / 2), float(0.5 + n.y / 2), float(0.5 + n.z / 2)});
+            if (base_is_bent) m.normal_map.texture = constant(b, {0.4f, 0.6f, 0.9f});
         });
         const Vec3d t = normalize(cross({0, 1, 0}, n)), b = cross(n, t);
         const double f = 0.75 * ggx(n, t, b, 0.25, 0.25, 0.04, shown.to_eye, shown.to_light);
@@ -226,13 +230,13 @@ void expect_anisotropic(double angle, double mapped, Vec3d n)
     const Color c = shown.of([&](Material& m, SceneBuilder& b) {
         m.base_color.value = {0.3f, 0.3f, 0.3f};
         m.metallic.value = 1;
-        m.energy_compensation = false;
-        m.anisotropy.value = 0.8f;
-        m.anisotropy_rotation = angle - mapped;
+        m.microfacets.energy_compensation = false;
+        m.microfacets.anisotropy.value = 0.8f;
+        m.microfacets.anisotropy_rotation = angle - mapped;
         if (mapped != 0)
-            m.anisotropy_texture =
+            m.microfacets.anisotropy_texture =
                 constant(b, {float(0.5 + std::cos(mapped) / 2), float(0.5 + std::sin(mapped) / 2), 1});
-        m.normal_texture = constant(b, {float(0.5 + n.x / 2), float(0.5 + n.y / 2), float(0.5 + n.z / 2)});
+        m.normal_map.texture = constant(b, {float(0.5 + n.x / 2), float(0.5 + n.y / 2), float(0.5 + n.z / 2)});
     });
     const Vec3d direction{std::cos(angle), std::sin(angle), 0};
     const Vec3d t = normalize(direction - n * dot(n, direction)), b = cross(n, t);
@@ -255,9 +259,9 @@ TEST(LayerForms, MetalsReflectByTheirIndex)
     const auto seen = [](float metallic, bool by_index) {
         return Shown().of([&](Material& m, SceneBuilder&) {
             m.metallic.value = metallic;
-            m.energy_compensation = false;
+            m.microfacets.energy_compensation = false;
             m.base_color.value = by_index ? Color{0.4f, 0.5f, 0.6f} : Color{1, 1, 1};
-            if (by_index) m.conductor_eta = {2.5f, 0.2f, 0}, m.conductor_k = {1, 3.4f, 0};
+            if (by_index) m.conductor.eta = {2.5f, 0.2f, 0}, m.conductor.k = {1, 3.4f, 0};
         });
     };
     const auto fresnel = [](std::complex<double> index) {
@@ -282,7 +286,7 @@ TEST(LayerForms, TangentsTurnWithTheShape)
                           turned.vector(normalize(Vec3d{-0.2, 0.6, 0.8}))};
         return shown.of([&](Material& m, SceneBuilder& b) {
             m.kind = kind;
-            m.metallic.value = 1, m.anisotropy.value = 0.9f;
+            m.metallic.value = 1, m.microfacets.anisotropy.value = 0.9f;
             const int material = b.material(m);
             // The shape lies above the existing one, which it hides.
             const Vec3d along = turned.vector({1, 0, 0}), across = turned.vector({0, 1, 0}), up{0, 0, 0.01};
@@ -314,9 +318,10 @@ TEST(LayerForms, FurnaceOfSolids)
             m.kind = MaterialKind::principled;
             m.base_color.value = {1, 1, 1};
             m.roughness.value = 0.05f;
-            m.transmission.value = share;
-            m.dispersion = dispersion;
-            m.specular.value = share == 1 ? 0.999f : 1;  // slightly below 1, so that the closure is not plain glass
+            m.transmission.weight.value = share;
+            m.transmission.dispersion = dispersion;
+            m.specular.weight.value =
+                share == 1 ? 0.999f : 1;  // slightly below 1, so that the closure is not plain glass
             b.add(Sphere{{0, 0, 0}, 1, {}}, b.material(m));
             b.scene.environment.kind = EnvironmentKind::constant;
             b.scene.environment.color = {1, 1, 1};

@@ -465,13 +465,13 @@ TEST_F(ImageEnvironment, LightsThroughTransparentSurfaces)
     Material pane;
     pane.kind = MaterialKind::glass;
     pane.ior = 1.5f;
-    pane.thin = true;
+    pane.interior.thin = true;
     Material fog = pane;
-    fog.thin = false;
+    fog.interior.thin = false;
     fog.ior = 1;
-    fog.attenuation_distance = 1;
-    fog.attenuation_color = {0.7f, 0.7f, 0.7f};
-    fog.transmission_scatter = {0.25f, 0.25f, 0.25f};
+    fog.interior.attenuation_distance = 1;
+    fog.interior.attenuation_color = {0.7f, 0.7f, 0.7f};
+    fog.interior.scatter = {0.25f, 0.25f, 0.25f};
     for (const Material& m : {pane, fog}) {
         SceneBuilder b;
         use(b, {}, {1, 0.5f, 2});
@@ -485,7 +485,7 @@ TEST_F(ImageEnvironment, LightsThroughTransparentSurfaces)
         const Mean by_chance = mean_of(render_film(b.scene, settings, 16384));
         for (int c = 0; c < 3; ++c) {
             const double error = std::hypot(sampled.error[c], by_chance.error[c]);
-            EXPECT_NEAR(sampled.value[c], by_chance.value[c], 4 * error) << m.thin << " channel " << c;
+            EXPECT_NEAR(sampled.value[c], by_chance.value[c], 4 * error) << m.interior.thin << " channel " << c;
             EXPECT_LT(error, 0.01 * by_chance.value[c]) << "the test is too noisy to detect a difference";
         }
     }

@@ -4,7 +4,7 @@
 #include <limits>
 #include <random>
 
-#include "fathom/edit.h"
+#include "fathom/editable_scene.h"
 #include "fathom/error.h"
 #include "fathom/image.h"
 #include "floor.h"
@@ -381,7 +381,7 @@ TEST(LightPictures, Edits)
     b.scene.images = {c.image, image_of(1, 1, {9, 90, 200})};
     b.light(c.light, c.place);
     b.camera({0, 3, 0.1}, {0, 0, 0});
-    SceneEdit edit(b.scene);
+    EditableScene edit(b.scene);
     Warnings warnings;
     std::uint64_t before = edit.compile(warnings).fingerprint();
     const auto change = [&](const char* what, bool anew, auto&& f) {

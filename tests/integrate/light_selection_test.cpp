@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <random>
 
-#include "fathom/edit.h"
+#include "fathom/editable_scene.h"
 #include "picture_helpers.h"
 
 // Many lights of which one is sampled per vertex: the selection strategy changes only the noise.
@@ -157,7 +157,7 @@ TEST(LightSelections, FollowAnEdit)
 {
     SceneDescription scene = random_lights(9);
     Warnings warnings;
-    SceneEdit edit(scene);
+    EditableScene edit(scene);
     edit.compile(warnings);
     const int lamps = scene.roots.back() - 5;  // the moving instance precedes four lights and the sun
     const Transform moved = Transform::translate({-0.5, 0.4, 0.7});

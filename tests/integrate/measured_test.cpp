@@ -88,7 +88,7 @@ TEST(MeasuredScenes, LampsAreFoundBothWays)
         s.add(Rectangle{{-1, 0, 1}, {2, 0, 0}, {0, 0, -2}}, s.material(measured(0)));
         Material lamp;
         lamp.kind = MaterialKind::none;
-        lamp.emission.value = {3, 4, 5};
+        lamp.emission.radiance.value = {3, 4, 5};
         s.add(Rectangle{{-0.7, 1, -0.5}, {1.5, 0, 0}, {0, 0, 1}}, s.material(lamp));
         s.camera({0.3, 8, 9}, {0, 0, 0}, 6);
         RenderSettings settings = small_image_settings(16, 12);

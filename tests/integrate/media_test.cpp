@@ -13,9 +13,9 @@ Material glass(double ior, double transmittance_of_a_metre = 1, int priority = 0
     m.kind = MaterialKind::glass;
     m.ior = float(ior);
     const float a = float(transmittance_of_a_metre);
-    m.attenuation_color = {a, a, a};
-    m.attenuation_distance = transmittance_of_a_metre < 1 ? 1 : 0;
-    m.priority = priority;
+    m.interior.attenuation_color = {a, a, a};
+    m.interior.attenuation_distance = transmittance_of_a_metre < 1 ? 1 : 0;
+    m.interior.priority = priority;
     return m;
 }
 
@@ -108,7 +108,7 @@ TEST(Media, ObjectsInsideColoredGlass)
         Material thing;
         thing.kind = mirrored ? MaterialKind::metal : MaterialKind::none;
         thing.base_color.value = {1, 1, 1};
-        if (!mirrored) thing.emission.value = {1, 1, 1};
+        if (!mirrored) thing.emission.radiance.value = {1, 1, 1};
         b.add(Rectangle{{-40, -40, -1}, {80, 0, 0}, {0, 80, 0}}, b.material(thing));
         if (mirrored) {
             Environment sky;
@@ -149,10 +149,10 @@ TEST(Media, ScatteringCountsAsBounces)
         Material m;
         m.kind = MaterialKind::glass;
         m.ior = 1.0002f;
-        m.attenuation_distance = 1;
-        m.attenuation_color = {float(std::exp(-1)), float(std::exp(-1)), float(std::exp(-1))};
-        m.transmission_scatter = {1, 1, 1};
-        m.transmission_scatter_bounces = counts;
+        m.interior.attenuation_distance = 1;
+        m.interior.attenuation_color = {float(std::exp(-1)), float(std::exp(-1)), float(std::exp(-1))};
+        m.interior.scatter = {1, 1, 1};
+        m.interior.scatter_bounces = counts;
         b.add(layer(0, -thickness), b.material(m));
         b.scene.environment.kind = EnvironmentKind::constant;
         b.camera({0, 0, 1}, {0, 0, 0}, 0.1);

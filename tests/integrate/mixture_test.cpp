@@ -48,15 +48,15 @@ struct Square : SceneBuilder {
     {
         Material m;
         m.kind = MaterialKind::mix;
-        m.material_a = a, m.material_b = b;
-        m.factor = factor;
+        m.mixture.material_a = a, m.mixture.material_b = b;
+        m.mixture.factor = factor;
         return material(m);
     }
     int two_sided(int front, int back)
     {
         Material m;
         m.kind = MaterialKind::two_sided;
-        m.material_a = front, m.material_b = back;
+        m.mixture.material_a = front, m.mixture.material_b = back;
         return material(m);
     }
     Film film(int index, std::vector<Aov> aovs = {})
@@ -123,7 +123,7 @@ TEST(Mixture, OfGlassLetsItsShareThrough)
     Square square;
     Material sheet;
     sheet.kind = MaterialKind::glass;
-    sheet.thin = true;
+    sheet.interior.thin = true;
     const int glass = square.material(sheet), black = square.material(diffuse({0, 0, 0}));
     // A thin glass sheet in a white environment is white.
     square.expect(square.mix(glass, black, {0.7f, -1, 0}), {0.3f, 0.3f, 0.3f});
@@ -136,7 +136,7 @@ TEST(Mixture, ScattersAsEachOfThem)
         Square square(false, n);
         square.scene.environment.kind = EnvironmentKind::none;
         Material lamp = diffuse({0, 0, 0});
-        lamp.emission.value = {1, 1, 1};
+        lamp.emission.radiance.value = {1, 1, 1};
         const int rotate_to = square.material(lamp), black = square.material(diffuse({0, 0, 0})),
                   metal = square.material(mirror({0.5f, 0.6f, 0.7f}));
         square.add(Rectangle{{-2, -2, 6}, {0, 4, 0}, {4, 0, 0}}, rotate_to);
@@ -163,12 +163,12 @@ TEST(Mixture, EmitsByItself)
 {
     Square square;
     Material glowing = diffuse({0, 0, 0});
-    glowing.emission.value = {9, 9, 9};
-    glowing.alpha_mode = AlphaMode::blend;
-    glowing.alpha.value = 0;
+    glowing.emission.radiance.value = {9, 9, 9};
+    glowing.opacity.mode = AlphaMode::blend;
+    glowing.opacity.alpha.value = 0;
     const int part = square.material(glowing);
     const int mixture = square.mix(part, part, {0.5f, -1, 0});
-    square.scene.materials.back().emission.value = {0.25f, 0.5f, 0.75f};
+    square.scene.materials.back().emission.radiance.value = {0.25f, 0.5f, 0.75f};
     square.scene.environment.kind = EnvironmentKind::none;
     square.expect(mixture, {0.25f, 0.5f, 0.75f});
 }
@@ -178,7 +178,7 @@ TEST(Mixture, OneSidedBackIsBlack)
     for (const bool behind : {false, true})
         for (Material m : {diffuse({0.5f, 0.5f, 0.5f}), mirror({0.5f, 0.5f, 0.5f})}) {
             Square square(behind);
-            m.one_sided = true;
+            m.visibility.black_back = true;
             square.expect(square.material(m), behind ? Color{0, 0, 0} : Color{0.5f, 0.5f, 0.5f});
         }
 }
@@ -192,7 +192,7 @@ TEST(Mixture, OfItselfIsRefused)
     square.add(MeshInstance{0}, first);
     Warnings warnings;
     EXPECT_THROW(Scene::compile(square.scene, "", warnings), Error);
-    square.scene.materials.back().material_b = 99;
+    square.scene.materials.back().mixture.material_b = 99;
     EXPECT_THROW(Scene::compile(square.scene, "", warnings), Error);
 }
 

@@ -343,7 +343,7 @@ TEST(MotionImages, textured_lamps)
         bands.uv_scale = {1, 4};
         s.scene.textures.push_back(bands);
         const int lamp = s.diffuse(0, {5, 5, 5});
-        s.scene.materials[std::size_t(lamp)].emission.texture = 0;
+        s.scene.materials[std::size_t(lamp)].emission.radiance.texture = 0;
         s.add(Sphere{{-3, 2, 0}, 0.8, Vec3d{3, 2, 0}}, lamp);
         RenderSettings settings = small_image_settings();
         settings.light_sampling = light_sampling;

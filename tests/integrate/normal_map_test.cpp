@@ -18,7 +18,7 @@ int normal_map(SceneBuilder& b)
         texture.color_b.value = {float(0.5 + red / 2), float(0.5 + green / 2), float(0.5 + blue / 2)};
     b.scene.textures.push_back(texture);
     Material m;
-    m.normal_texture = 0;
+    m.normal_map.texture = 0;
     return b.material(m);
 }
 

@@ -36,8 +36,8 @@ struct SceneBuilder {
     {
         Material m;
         m.base_color.value = {albedo, albedo, albedo};
-        m.emission.value = emission;
-        m.emission_two_sided = two_sided;
+        m.emission.radiance.value = emission;
+        m.emission.two_sided = two_sided;
         return material(m);
     }
     template <class Geometry>
@@ -121,7 +121,7 @@ inline Film render_film(const SceneDescription& description, const RenderSetting
     const RenderJob job(scene, settings);
     Film film(job);
     EXPECT_TRUE(render(job, {0, samples}, film));
-    EXPECT_EQ(film.dropped_samples(), 0u);
+    EXPECT_EQ(film.invalid_samples(), 0u);
     return film;
 }
 

@@ -28,7 +28,7 @@ Material other_material(SceneDescription& scene, std::mt19937& engine)
             m.kind = MaterialKind::fuzz_metal, m.fuzz = uniform(0.1, 0.9);
             break;
         case 3:
-            m.kind = MaterialKind::glass, m.thin = engine() % 3 != 0;
+            m.kind = MaterialKind::glass, m.interior.thin = engine() % 3 != 0;
             break;
         case 4:
             m.kind = MaterialKind::unlit;
@@ -81,8 +81,8 @@ SceneDescription random_room(unsigned seed, bool others)
     for (int i = 0; i < 1 + int(seed % 3); ++i) {
         Material lamp;
         lamp.kind = seed % 2 ? MaterialKind::none : MaterialKind::diffuse;
-        lamp.emission.value = {float(uniform(2, 9)), float(uniform(2, 9)), float(uniform(2, 9))};
-        lamp.emission_two_sided = seed % 5 == 0;
+        lamp.emission.radiance.value = {float(uniform(2, 9)), float(uniform(2, 9)), float(uniform(2, 9))};
+        lamp.emission.two_sided = seed % 5 == 0;
         b.scene.materials.push_back(lamp);
         const double side = uniform(0.1, 0.5);
         b.add(Rectangle{{uniform(-0.9, 0.3), uniform(0.9, 0.99), uniform(-0.9, 0.3)}, {side, 0, 0}, {0, 0, side}},
@@ -91,7 +91,7 @@ SceneDescription random_room(unsigned seed, bool others)
     if (others) {
         // A thin glass pane, through which lights and the sky are visible.
         Material pane;
-        pane.kind = MaterialKind::glass, pane.thin = true;
+        pane.kind = MaterialKind::glass, pane.interior.thin = true;
         b.scene.materials.push_back(pane);
         b.add(Rectangle{{-1, -0.8, 1.1}, {1.6, 0, 0}, {0, 1.8, 0}}, int(b.scene.materials.size()) - 1);
     }

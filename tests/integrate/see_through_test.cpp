@@ -12,10 +12,10 @@ using namespace test;
 void fill(Material& m, double absorption, double scattering, double mean_cosine)
 {
     const auto same = [](double v) { return Color{float(v), float(v), float(v)}; };
-    m.attenuation_distance = 1;
-    m.attenuation_color = same(std::exp(-absorption - scattering));
-    m.transmission_scatter = same(scattering);
-    m.transmission_scatter_anisotropy = float(mean_cosine);
+    m.interior.attenuation_distance = 1;
+    m.interior.attenuation_color = same(std::exp(-absorption - scattering));
+    m.interior.scatter = same(scattering);
+    m.interior.scatter_anisotropy = float(mean_cosine);
 }
 
 Material fog(double absorption, double scattering, double mean_cosine)
@@ -32,8 +32,8 @@ Material pane(float ior, float color = 1)
     Material m;
     m.kind = MaterialKind::glass;
     m.ior = ior;
-    m.thin = true;
-    m.transmission_color.value = m.base_color.value = {color, color, color};
+    m.interior.thin = true;
+    m.transmission.color.value = m.base_color.value = {color, color, color};
     return m;
 }
 
@@ -101,7 +101,7 @@ TEST(SeeThrough, AsByChanceAlone)
             settings.seed = 7;
             const Mean by_chance = mean_of(render_film(b.scene, settings, 8192));
             const double error = std::hypot(sampled.error[0], by_chance.error[0]);
-            EXPECT_NEAR(sampled.value[0], by_chance.value[0], 4 * error) << max_depth << " " << m.thin;
+            EXPECT_NEAR(sampled.value[0], by_chance.value[0], 4 * error) << max_depth << " " << m.interior.thin;
             EXPECT_LT(error, 0.02 * by_chance.value[0]) << "the test is too noisy to detect a difference";
         }
 }
@@ -157,9 +157,9 @@ TEST(SeeThrough, LampWithinGlassBesideAPane)
         Material glass;
         glass.kind = MaterialKind::glass;
         glass.ior = 1;
-        glass.transmission_color.value = {0.81f, 0.81f, 0.81f};
-        glass.attenuation_distance = 1;
-        glass.attenuation_color = {0.5f, 0.5f, 0.5f};
+        glass.transmission.color.value = {0.81f, 0.81f, 0.81f};
+        glass.interior.attenuation_distance = 1;
+        glass.interior.attenuation_color = {0.5f, 0.5f, 0.5f};
         b.add(Box{{-30, -1, -30}, {30, 3, 30}}, b.material(glass));
         b.add(Rectangle{{-20, 0, -20}, {0, 0, 40}, {40, 0, 0}}, b.diffuse(0.5f));
         if (beside) b.add(Rectangle{{50, 0, -5}, {0, 10, 0}, {0, 0, 10}}, b.material(pane(1.5f)));

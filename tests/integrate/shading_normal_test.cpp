@@ -91,7 +91,7 @@ TEST(ShadingNormal, StrongNormalMapsLeaveNoHoles)
         m.metallic.value = 1;
         m.base_color.value = {1, 1, 1};
         m.fuzz = 0;
-        m.normal_texture = 0;
+        m.normal_map.texture = 0;
         b.add(Box{{-20, -0.5, -20}, {20, 0, 20}}, b.material(m));
         b.scene.environment = uniform_sky();
         for (const double height : {0.3, 1.0, 4.0}) {
@@ -119,7 +119,7 @@ TEST(ShadingNormal, ClosedRoomsAreDark)
         Material m;
         m.kind = kind;
         m.base_color.value = {1, 1, 1};
-        m.normal_texture = 0;
+        m.normal_map.texture = 0;
         b.add(Box{{-1, -1, -1}, {1, 1, 1}}, b.material(m));
         b.scene.environment = uniform_sky();
         b.camera({0.1, 0.2, 0.3}, {0.9, 0.8, -0.7}, 100);

@@ -12,7 +12,7 @@ Material unlit(Color color, bool single_sided)
     Material m;
     m.kind = MaterialKind::unlit;
     m.base_color.value = color;
-    m.single_sided = single_sided;
+    m.visibility.camera_backface_culling = single_sided;
     return m;
 }
 
@@ -111,7 +111,7 @@ TEST(SingleSided, LightDoesNotPass)
             scene.scene.cameras[0].position = {0, 0, 0.5};
             Material white;
             scene.add_square(0, true, white);
-            white.single_sided = true;
+            white.visibility.camera_backface_culling = true;
             scene.add_square(1, front_up, white);
             Light sun;
             sun.kind = LightKind::directional;

@@ -12,11 +12,11 @@ Material subsurface(Color color, double radius, float anisotropy = 0)
 {
     Material m;
     m.kind = MaterialKind::principled;
-    m.specular.value = 0;
-    m.subsurface.value = 1;
-    m.subsurface_color.value = color;
-    m.subsurface_radius.value = float(radius);
-    m.subsurface_scatter_anisotropy = anisotropy;
+    m.specular.weight.value = 0;
+    m.subsurface.weight.value = 1;
+    m.subsurface.color.value = color;
+    m.subsurface.radius.value = float(radius);
+    m.subsurface.scatter_anisotropy = anisotropy;
     return m;
 }
 
@@ -27,10 +27,10 @@ Material cloud(Color albedo, float anisotropy = 0)
     Material m;
     m.kind = MaterialKind::glass;
     m.ior = 1;
-    m.attenuation_color = {left, left, left};
-    m.attenuation_distance = 1;
-    m.transmission_scatter = albedo;
-    m.transmission_scatter_anisotropy = anisotropy;
+    m.interior.attenuation_color = {left, left, left};
+    m.interior.attenuation_distance = 1;
+    m.interior.scatter = albedo;
+    m.interior.scatter_anisotropy = anisotropy;
     return m;
 }
 
@@ -134,9 +134,9 @@ TEST(Subsurface, WhiteSolidsAreInvisible)
         Material m = subsurface({1, 1, 1}, 0.1, g);
         expect_invisible(m, false, 1e-3);
         expect_invisible(m, true, 1e-3);
-        m.specular.value = 1, m.roughness.value = 0.3f;
+        m.specular.weight.value = 1, m.roughness.value = 0.3f;
         expect_invisible(m, false, 5e-3);
-        m.subsurface.value = 0.5f, m.base_color.value = {1, 1, 1};
+        m.subsurface.weight.value = 0.5f, m.base_color.value = {1, 1, 1};
         expect_invisible(m, false, 5e-3);
         expect_invisible(cloud({1, 1, 1}, g), false, 1e-3);
         m = cloud({1, 1, 1}, g);
@@ -145,8 +145,8 @@ TEST(Subsurface, WhiteSolidsAreInvisible)
     }
     // One part is refracted into one medium; subsurface scattering leads into another.
     Material both = subsurface({1, 1, 1}, 0.05);
-    both.transmission.value = 0.5f;
-    both.specular.value = 1;
+    both.transmission.weight.value = 0.5f;
+    both.specular.weight.value = 1;
     expect_invisible(both, false, 5e-3);
 }
 
@@ -157,12 +157,12 @@ TEST(Subsurface, UnscatteredLightFollowsTheLawOfBeer)
     const double left[] = {0.9, 0.2, 0.003};
     SceneBuilder b;
     Material m = cloud({0.1f, 1.0f, 3.0f});
-    m.attenuation_color = {0.9f, 0.2f, 0.003f};
-    m.attenuation_distance = 2;
+    m.interior.attenuation_color = {0.9f, 0.2f, 0.003f};
+    m.interior.attenuation_distance = 2;
     b.add(Box{{-50, -50, -2}, {50, 50, 0}}, b.material(m));
     Material lamp;
     lamp.kind = MaterialKind::none;
-    lamp.emission.value = {1, 1, 1};
+    lamp.emission.radiance.value = {1, 1, 1};
     b.add(Sphere{{0, 0, -40}, 0.02, {}}, b.material(lamp));
     b.camera({0, 0, 10}, {0, 0, 0}, 0.02);
     const Mean mean = mean_of(render_film(b.scene, small_image_settings(16, 16), 2048));
@@ -214,7 +214,7 @@ TEST(Subsurface, LampsWithinAreFoundByScattering)
 TEST(Subsurface, RefractedLightIsInAnotherMedium)
 {
     Material m = subsurface({0, 0, 0}, 0.01);
-    m.transmission.value = 0.5f;
+    m.transmission.weight.value = 0.5f;
     m.ior = 1;
     SceneBuilder b;
     b.add(Sphere{{0, 0, 0}, 1, {}}, b.material(m));
@@ -234,7 +234,7 @@ TEST(Subsurface, ColorHasATexture)
         texture.kind = TextureKind::checker_uv;
         texture.color_a.value = texture.color_b.value = {colors[i].r / 0.9f, colors[i].g / 0.9f, colors[i].b / 0.9f};
         Material m = subsurface({0.9f, 0.9f, 0.9f}, 0.01, 0.4f);
-        m.subsurface_color.texture = int(boxes.scene.textures.size());
+        m.subsurface.color.texture = int(boxes.scene.textures.size());
         boxes.scene.textures.push_back(texture);
         const double x = i == 0 ? -11 : 1;
         boxes.add(Box{{x, -10, -10}, {x + 10, 10, 0}}, boxes.material(m));
@@ -271,8 +271,8 @@ TEST(Subsurface, EachSolidHasItsOwnTexture)
                 Texture texture;
                 texture.kind = TextureKind::checker_uv;
                 texture.color_a.value = texture.color_b.value = color;
-                m.subsurface_color.value = {1, 1, 1};
-                m.subsurface_color.texture = int(b.scene.textures.size());
+                m.subsurface.color.value = {1, 1, 1};
+                m.subsurface.color.texture = int(b.scene.textures.size());
                 b.scene.textures.push_back(texture);
             }
             b.add(box, b.material(m));
@@ -300,10 +300,10 @@ Material radius_by_textures(SceneBuilder& b, Color color, float size)
         return int(b.scene.textures.size()) - 1;
     };
     Material m = subsurface(color, 10);
-    m.subsurface_radius.texture = constant({1, size / 10, 1});
-    m.subsurface_radius.channel = 1;
-    m.subsurface_radius_scale.value = {1, 1, 1};
-    m.subsurface_radius_scale.texture = constant({1, 0.5f, 0.25f});
+    m.subsurface.radius.texture = constant({1, size / 10, 1});
+    m.subsurface.radius.channel = 1;
+    m.subsurface.radius_scale.value = {1, 1, 1};
+    m.subsurface.radius_scale.texture = constant({1, 0.5f, 0.25f});
     return m;
 }
 

@@ -158,9 +158,9 @@ TEST_P(TextureAlpha, DecidesWhatIsCutAway)
     write_image(file_, noise(true, 1), kind.write);
     const Image stored = read_image(file_);
     SceneDescription scene = square(file_, kind.space);
-    scene.materials[0].alpha_mode = AlphaMode::mask;
-    scene.materials[0].alpha = {1, 0, 3};
-    scene.materials[0].alpha_cutoff = 101.0f / 255;
+    scene.materials[0].opacity.mode = AlphaMode::mask;
+    scene.materials[0].opacity.alpha = {1, 0, 3};
+    scene.materials[0].opacity.cutoff = 101.0f / 255;
     scene.materials[0].base_color = {{1, 1, 1}, -1};
     const Image shown = test::render_film(scene, test::small_image_settings(side, side), 1).image(false, false);
     for (std::size_t i = 0; i < std::size_t(side) * side; ++i)

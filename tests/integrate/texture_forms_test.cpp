@@ -186,10 +186,10 @@ TEST_F(TextureForms, ChannelsOfRoughnessMetallicAndAlpha)
                 m.kind = MaterialKind::principled;
                 m.base_color.value = {0.9f, 0.6f, 0.2f};
                 m.roughness.value = 0.5f, m.metallic.value = 0.5f;
-                FloatInput& input = what == 0 ? m.roughness : what == 1 ? m.metallic : m.alpha;
+                FloatInput& input = what == 0 ? m.roughness : what == 1 ? m.metallic : m.opacity.alpha;
                 const float factor = 0.875f;
                 input = {factor * (textured ? 1 : value[std::size_t(channel)]), textured ? t : -1, channel};
-                if (what == 2) m.alpha_mode = AlphaMode::blend;
+                if (what == 2) m.opacity.mode = AlphaMode::blend;
                 // One of each, so that both scenes have textures.
                 v.add(Rectangle{{-1, -1, 0}, {2, 0, 0}, {0, 2, 0.5}}, v.material(m));
                 v.add(Rectangle{{5, -1, 0}, {1, 0, 0}, {0, 1, 0}}, v.unlit(t));
@@ -213,7 +213,7 @@ TEST_F(TextureForms, ColorsMultiply)
         const int t = v.texture(picture(v.scene, 1, 1, [](int, int) { return std::array{0.5f, 0.25f, 0.125f, 1.f}; }));
         Material m;
         m.kind = emits ? MaterialKind::none : MaterialKind::diffuse;
-        (emits ? m.emission : m.base_color) = {{0.5f, 0.75f, 1}, t};
+        (emits ? m.emission.radiance : m.base_color) = {{0.5f, 0.75f, 1}, t};
         v.add(Rectangle{{-2, -2, 0}, {4, 0, 0}, {0, 4, 0}}, v.material(m));
         v.scene.environment.kind = EnvironmentKind::constant;
         const Mean mean = mean_of(render_film(v.scene, small_image_settings(8, 8), 16));
@@ -286,8 +286,8 @@ TEST_F(TextureForms, NormalMaps)
                 });
                 Material m;
                 m.base_color.value = {1, 1, 1};
-                m.normal_texture = v.texture(t);
-                m.normal_scale = scale;
+                m.normal_map.texture = v.texture(t);
+                m.normal_map.scale = scale;
                 const int material = v.material(m);
                 // Tangent and bitangent of the shape.
                 Vec3d right{1, 0, 0}, up{0, 1, 0};
@@ -365,7 +365,7 @@ TEST_F(TextureForms, NormalMapsFollowTheirOwnCoordinates)
                 if (!baked) t.uv_scale = transform.uv_scale, t.uv_rotation = transform.uv_rotation;
                 Material m;
                 m.base_color.value = {1, 1, 1};
-                m.normal_texture = v.texture(t);
+                m.normal_map.texture = v.texture(t);
                 m.map_tangents = by_map;
                 v.scene.meshes.push_back(mesh);
                 v.add(MeshInstance{0}, v.material(m));
@@ -404,9 +404,10 @@ TEST_F(TextureForms, CoatsAndAnisotropyFollowTheirMaps)
                 m.base_color.value = {0.5f, 0.5f, 0.5f};
                 m.roughness.value = 0.5f;
                 if (coat) {
-                    m.coat.value = 1, m.coat_roughness.value = 0.5f, m.coat_normal_texture = v.texture(t);
+                    m.coat.weight.value = 1, m.coat.roughness.value = 0.5f, m.coat.normal_texture = v.texture(t);
                 } else {
-                    m.metallic.value = 1, m.anisotropy.value = 0.9f, m.anisotropy_texture = v.texture(t);
+                    m.metallic.value = 1, m.microfacets.anisotropy.value = 0.9f,
+                    m.microfacets.anisotropy_texture = v.texture(t);
                 }
                 v.scene.meshes.push_back(skewed_square(transform));
                 v.add(MeshInstance{0}, v.material(m));
@@ -435,9 +436,9 @@ TEST(AlphaForms, ShadowsAndCutoff)
             Material floor, veil;
             floor.base_color.value = {1, 1, 1};
             veil.kind = MaterialKind::none;
-            veil.alpha.value = alpha;
-            veil.alpha_mode = mode;
-            veil.alpha_cutoff = 0.8f;
+            veil.opacity.alpha.value = alpha;
+            veil.opacity.mode = mode;
+            veil.opacity.cutoff = 0.8f;
             v.add(Rectangle{{-1, -1, 0}, {2, 0, 0}, {0, 2, 0}}, v.material(floor));
             // The veil is behind the camera, between the sun and the scene.
             v.add(Rectangle{{-4, -4, 8}, {8, 0, 0}, {0, 8, 0}}, v.material(veil));
@@ -468,8 +469,8 @@ TEST_F(TextureForms, AlphaLiesWhereThePictureDoes)
                 Material cut, floor;
                 cut.kind = shadow ? MaterialKind::none : MaterialKind::unlit;
                 cut.base_color.value = {1, 0, 0};
-                cut.alpha = {1, v.texture(t), 0};
-                cut.alpha_mode = AlphaMode::mask;
+                cut.opacity.alpha = {1, v.texture(t), 0};
+                cut.opacity.mode = AlphaMode::mask;
                 floor.base_color.value = {1, 1, 1};
                 // For shadows the surface is behind the camera, between the sun and the scene.
                 const double z = shadow ? 8 : 0;

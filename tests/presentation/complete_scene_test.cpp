@@ -38,12 +38,11 @@ TEST_F(CompleteScene, FramesFromEveryDirection)
             SceneDescription scene =
                 load("s.json",
                      R"({"scene": [{"box": {"min": [-1, 5, 2], "max": [7, 6, 3]}, "transform": {"scale": 1000}}]})");
-            CompleteOptions options;
+            FramingOptions options;
             options.azimuth_deg = azimuth;
             options.elevation_deg = elevation;
             options.aspect = 16.0 / 9;
-            const CompletedScene completed = complete_scene(scene, options);
-            EXPECT_EQ(completed.added.size(), 1u);
+            EXPECT_TRUE(add_default_camera(scene, options));
             ASSERT_EQ(scene.cameras.size(), 1u);
             double widest = 0;
             for (int i = 0; i < 8; ++i) {
@@ -79,9 +78,9 @@ TEST_F(CompleteScene, TheSilhouetteFillsThePicture)
                 node.shapes.push_back({Sphere{{0, 1, 0}, 1.2, {}}, -1, ""});
                 scene.nodes.push_back(node);
                 scene.roots.push_back(0);
-                CompleteOptions options;
+                FramingOptions options;
                 options.azimuth_deg = azimuth, options.elevation_deg = elevation, options.aspect = aspect;
-                complete_scene(scene, options);
+                add_default_camera(scene, options);
                 double left = 1, right = -1, below = 1, above = -1, nearest = 1e9, farthest = 0;
                 const auto add = [&](Vec3d p) {
                     const auto [x, y] = in_picture(scene.cameras[0], aspect, node.parent_from_node.point(p));
@@ -121,10 +120,10 @@ TEST_F(CompleteScene, TurnsAboutTheSceneWithAllInView)
         for (double aspect : {0.5, 4.0 / 3, 3.0}) {
             SceneDescription scene = load("s.json", R"({"scene": [{"box": {"min": [-1, 5, 2], "max": [7, 6, 3]}},
                                              {"box": {"min": [0, 5, 2], "max": [1, 9, 3]}}]})");
-            CompleteOptions options;
+            FramingOptions options;
             options.azimuth_deg = 77, options.elevation_deg = elevation, options.aspect = aspect;
             options.orbit_center = Vec3d{2.7, 7, 2.3};
-            complete_scene(scene, options);
+            add_default_camera(scene, options);
             const Camera first = scene.cameras[0];
             double widest = 0;
             for (int turn = 0; turn < 360; ++turn) {
@@ -159,9 +158,9 @@ TEST_F(CompleteScene, ViewsThinScenesFromTheFront)
     node.shapes.push_back({MeshInstance{0}, -1, ""});
     scene.nodes.push_back(node);
     scene.roots.push_back(0);
-    CompleteOptions options;
+    FramingOptions options;
     options.azimuth_deg = options.elevation_deg = 0;
-    complete_scene(scene, options);
+    add_default_camera(scene, options);
     EXPECT_NEAR(scene.cameras[0].position.z, 2.7, 1e-9);
     EXPECT_NEAR(scene.cameras[0].look_at.z, -1.5, 1e-9);
 }
@@ -169,20 +168,19 @@ TEST_F(CompleteScene, ViewsThinScenesFromTheFront)
 TEST_F(CompleteScene, AddsOnlyWhatIsMissing)
 {
     SceneDescription none = load("a.json", R"({"scene": [{"sphere": {}}]})");
-    EXPECT_EQ(complete_scene(none, {}).added.size(), 1u);
+    EXPECT_TRUE(add_default_camera(none, {}));
     EXPECT_EQ(none.cameras.size(), 1u);
     SceneDescription one = load("b.json", R"({"camera": {}, "scene": [{"sphere": {}}]})");
-    EXPECT_TRUE(complete_scene(one, {}).added.empty());
+    EXPECT_FALSE(add_default_camera(one, {}));
     EXPECT_EQ(one.cameras.size(), 1u);
 }
 
 TEST_F(CompleteScene, ForcedCameraComesFirst)
 {
     SceneDescription scene = load("a.json", R"({"cameras": {"one": {}, "two": {}}, "scene": [{"sphere": {}}]})");
-    CompleteOptions options;
+    FramingOptions options;
     options.force_camera = true;
-    // A requested camera is not reported as missing from the file.
-    EXPECT_TRUE(complete_scene(scene, options).added.empty());
+    EXPECT_TRUE(add_default_camera(scene, options));
     ASSERT_EQ(scene.cameras.size(), 3u);
     EXPECT_EQ(scene.cameras[1].name, "one");
     for (const Node& node : scene.nodes) {
@@ -196,7 +194,7 @@ TEST_F(CompleteScene, ForcedCameraComesFirst)
 TEST_F(CompleteScene, EmptySceneGetsACamera)
 {
     SceneDescription empty = load("a.json", "{}");
-    complete_scene(empty, {});
+    add_default_camera(empty, {});
     ASSERT_EQ(empty.cameras.size(), 1u);
     EXPECT_GT(length(empty.cameras[0].position - empty.cameras[0].look_at), 0);
 }
@@ -205,7 +203,7 @@ std::string check_error(const SceneDescription& scene)
 {
     SceneDescription copy = scene;
     try {
-        complete_scene(copy, {});
+        add_default_camera(copy, {});
     } catch (const Error& e) {
         return e.what();
     }

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "fathom/first_look.h"
+#include "fathom/lighting.h"
 #include "seen_from.h"
 
 // The ground below models looks like the backdrop where it is unobstructed, and shows shadows elsewhere.
@@ -32,13 +32,13 @@ protected:
         d.roots.push_back(int(d.nodes.size()));
         d.nodes.push_back(node);
     }
-    AutoLitScene lit(const std::optional<Ground>& ground, LightChoice light = LightChoice::automatic)
+    LitScene lit(const std::optional<Ground>& ground, LightingMode light = LightingMode::automatic)
     {
-        return compile_lit(d, "", light, 1, warnings, TreeBuild::standard, ground);
+        return compile_lit(d, "", light, 1, warnings, BvhQuality::standard, ground);
     }
     Image picture(const Ground& ground, std::uint64_t samples = 64)
     {
-        const AutoLitScene scene = lit(ground);
+        const LitScene scene = lit(ground);
         EXPECT_TRUE(scene.ground);
         RenderSettings settings;
         settings.width = settings.height = across;
@@ -153,12 +153,12 @@ TEST_F(GroundTest, IsOnlyAddedWhereItFits)
     add_box();
     const SceneDescription model = d;
     EXPECT_FALSE(lit({}).ground);
-    const AutoLitScene added = lit(Ground());
+    const LitScene added = lit(Ground());
     EXPECT_TRUE(added.ground);
     ASSERT_EQ(added.added.size(), 2u);
     EXPECT_NE(added.added[1].find("--ground none"), std::string::npos);
-    EXPECT_TRUE(lit(Ground(), LightChoice::studio).ground);
-    EXPECT_FALSE(lit(Ground(), LightChoice::file).ground);
+    EXPECT_TRUE(lit(Ground(), LightingMode::studio).ground);
+    EXPECT_FALSE(lit(Ground(), LightingMode::file).ground);
     // A camera inside a room, and one below the ground.
     d.cameras[0].position = {0, 1, 0.5};
     EXPECT_FALSE(lit(Ground()).ground);
@@ -176,7 +176,7 @@ TEST_F(GroundTest, IsOnlyAddedWhereItFits)
     add_lamp({0, 5, 5});
     EXPECT_FALSE(lit(Ground()).ground);
     Ground wanted;
-    wanted.only_where_it_fits = false;
+    wanted.only_if_visible_from_above = false;
     EXPECT_TRUE(lit(wanted).ground);
     // Exposure depends on the model only.
     ASSERT_TRUE(lit({}).exposure_ev);
@@ -189,8 +189,8 @@ TEST_F(GroundTest, LiesBelowAllGeometry)
 {
     add_box();
     const auto height = [&](const Ground& ground) {
-        SceneEdit edit(d);
-        compile_lit(edit, LightChoice::automatic, 1, warnings, ground);
+        EditableScene edit(d);
+        compile_lit(edit, LightingMode::automatic, 1, warnings, ground);
         return edit.description().nodes.back().parent_from_node.point({0, 0, 0}).y;
     };
     Ground ground;

@@ -3,8 +3,8 @@
 
 #include <fmt/format.h>
 
-#include "fathom/first_look.h"
 #include "fathom/image.h"
+#include "fathom/lighting.h"
 #include "fathom/render.h"
 #include "fathom/scene_file.h"
 #include "formats/import_test_helpers.h"
@@ -96,7 +96,7 @@ TEST_F(ImageBasedLight, IsTheFilesOwnLight)
 {
     SceneDescription scene = load_scene(file_with(""), {}, warnings_);
     scene.nodes[0].shapes.push_back({Sphere{{0, 0, -5}, 1, {}}, -1, ""});
-    const AutoLitScene lit = compile_lit(scene, "", LightChoice::automatic, 1, warnings_);
+    const LitScene lit = compile_lit(scene, "", LightingMode::automatic, 1, warnings_);
     EXPECT_FALSE(lit.studio);
     EXPECT_TRUE(lit.added.empty());
 }

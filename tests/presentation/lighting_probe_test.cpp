@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "fathom/first_look.h"
+#include "fathom/lighting.h"
 
 #include <gtest/gtest.h>
 
@@ -36,11 +36,11 @@ protected:
     {
         d.materials.emplace_back();
         d.materials.back().kind = MaterialKind::none;
-        d.materials.back().emission.value = radiance;
+        d.materials.back().emission.radiance.value = radiance;
         return int(d.materials.size()) - 1;
     }
-    FirstLook look() { return first_look(Scene::compile(d, "", warnings), 1); }
-    AutoLitScene lit(LightChoice choice = LightChoice::automatic) { return compile_lit(d, "", choice, 1, warnings); }
+    LightingProbe look() { return probe_lighting(Scene::compile(d, "", warnings), 1); }
+    LitScene lit(LightingMode choice = LightingMode::automatic) { return compile_lit(d, "", choice, 1, warnings); }
 };
 
 /// A low sun gets an exposure but no studio lights.
@@ -48,11 +48,11 @@ TEST_F(LightingProbe, ExposesForAnEveningSky)
 {
     d.environment.kind = EnvironmentKind::sky;
     d.environment.to_sun = {-0.5, 0.05, 0.5};
-    const AutoLitScene evening = lit(LightChoice::file);
+    const LitScene evening = lit(LightingMode::file);
     EXPECT_FALSE(evening.studio);
     EXPECT_GT(evening.exposure_ev.value_or(0), 1);
     d.environment.to_sun = {-0.5, 0.6, 0.5};
-    EXPECT_LT(lit(LightChoice::file).exposure_ev.value_or(0), 1);
+    EXPECT_LT(lit(LightingMode::file).exposure_ev.value_or(0), 1);
 }
 
 /// A sphere lit from the camera has radiance albedo / pi * cosine * illuminance; half of its disk has a cosine above
@@ -62,7 +62,7 @@ TEST_F(LightingProbe, MeasuresASphereInTheSun)
     add_sun(10);
     d.cameras[0].kind = CameraKind::orthographic;
     d.cameras[0].height = 4;
-    const FirstLook seen = look();
+    const LightingProbe seen = look();
     const double most = 0.5 / std::acos(-1.0) * 10;
     EXPECT_NEAR(seen.middle, most * std::sqrt(0.5), 0.04 * most);
     EXPECT_NEAR(seen.bright, most * std::sqrt(0.95), 0.02 * most);
@@ -74,11 +74,11 @@ TEST_F(LightingProbe, MeasuresASphereInTheSun)
 TEST_F(LightingProbe, LampsInViewDoNotCount)
 {
     add_sun(10);
-    const FirstLook before = look();
+    const LightingProbe before = look();
     const int lamp = add_lamp({30, 30, 30});
     d.nodes[0].shapes.push_back({Rectangle{{1.9, 1.2, -3}, {1.2, 0, 0}, {0, 1.2, 0}}, lamp, ""});
     d.environment.kind = EnvironmentKind::none;
-    const FirstLook after = look();
+    const LightingProbe after = look();
     EXPECT_NEAR(after.middle, before.middle, 0.05 * before.middle);
     EXPECT_NEAR(after.bright, before.bright, 0.2 * before.bright);
     EXPECT_NEAR(after.exposure_ev(), before.exposure_ev(), 0.2);
@@ -89,7 +89,7 @@ TEST_F(LightingProbe, ExposesForTheLightOfTheFile)
     for (const double lux : {0.001, 3.0, 100000.0}) {
         SceneDescription dark = d;
         add_sun(float(lux));
-        const AutoLitScene scene = lit();
+        const LitScene scene = lit();
         d = dark;
         EXPECT_FALSE(scene.studio) << lux;
         // Exposure is the smaller of 0.22 over the median and 1 over the maximum, here the former.
@@ -108,35 +108,35 @@ TEST_F(LightingProbe, ExposesForTheLightOfTheFile)
 TEST_F(LightingProbe, EditsKeepTheirLight)
 {
     add_sun(100000);
-    for (const LightChoice choice : {LightChoice::automatic, LightChoice::studio}) {
-        SceneEdit edit(d);
-        AutoLitScene first = compile_lit(edit, choice, 1, warnings);
+    for (const LightingMode choice : {LightingMode::automatic, LightingMode::studio}) {
+        EditableScene edit(d);
+        LitScene first = compile_lit(edit, choice, 1, warnings);
         EXPECT_EQ(first.scene.fingerprint(), lit(choice).scene.fingerprint());
-        EXPECT_EQ(first.studio, choice == LightChoice::studio);
-        EXPECT_EQ(first.exposure_ev.has_value(), choice == LightChoice::automatic);
+        EXPECT_EQ(first.studio, choice == LightingMode::studio);
+        EXPECT_EQ(first.exposure_ev.has_value(), choice == LightingMode::automatic);
         first.scene = {};
         edit.set_transform(0, Transform::translate({0.1, 0, 0}));
-        const Scene moved = edit.compile_exactly(warnings);
-        EXPECT_EQ(edit.description().environment.kind == EnvironmentKind::studio, choice == LightChoice::studio);
+        const Scene moved = edit.compile_bit_exact(warnings);
+        EXPECT_EQ(edit.description().environment.kind == EnvironmentKind::studio, choice == LightingMode::studio);
         EXPECT_EQ(moved.fingerprint(), Scene::compile(edit.description(), "", warnings).fingerprint());
         // A removed sun stays removed.
-        EXPECT_EQ(edit.description().nodes.back().light < 0, choice == LightChoice::studio);
+        EXPECT_EQ(edit.description().nodes.back().light < 0, choice == LightingMode::studio);
     }
 }
 
 TEST_F(LightingProbe, AddsAStudioWithoutLights)
 {
-    const AutoLitScene scene = lit();
+    const LitScene scene = lit();
     EXPECT_TRUE(scene.studio);
     ASSERT_EQ(scene.added.size(), 1u);
     // A gray sphere in the studio is neither dark nor overexposed.
-    const FirstLook seen = first_look(scene.scene, 1);
+    const LightingProbe seen = probe_lighting(scene.scene, 1);
     EXPECT_GT(seen.lit, 0.99);
     EXPECT_GT(seen.middle, 0.1);
     EXPECT_LT(seen.bright, 1);
-    const AutoLitScene bare = lit(LightChoice::file);
+    const LitScene bare = lit(LightingMode::file);
     EXPECT_FALSE(bare.studio);
-    EXPECT_EQ(first_look(bare.scene, 1).bright, 0);
+    EXPECT_EQ(probe_lighting(bare.scene, 1).bright, 0);
 }
 
 /// A weak emission or a light behind the subject leaves it dark, so studio lights are added.
@@ -145,7 +145,7 @@ TEST_F(LightingProbe, AddsAStudioWhereLightReachesLittle)
     const SceneDescription dark = d;
     const int led = add_lamp({2, 0, 0});
     d.nodes[0].shapes.push_back({Sphere{{0.4, 0.4, 1.45}, 0.05, {}}, led, ""});
-    AutoLitScene scene = lit();
+    LitScene scene = lit();
     EXPECT_TRUE(scene.studio);
     EXPECT_FALSE(scene.exposure_ev.has_value());
     EXPECT_GT(scene.scene.statistics().lights, 1u);  // the sky and the small emissive surface
@@ -153,7 +153,7 @@ TEST_F(LightingProbe, AddsAStudioWhereLightReachesLittle)
     d = dark;
     add_sun(5, Transform::rotate({0, 1, 0}, std::acos(-1.0)));
     EXPECT_TRUE(lit().studio);
-    EXPECT_FALSE(lit(LightChoice::file).studio);
+    EXPECT_FALSE(lit(LightingMode::file).studio);
     d.hints.own_light = true;
     EXPECT_FALSE(lit().studio);
 }
@@ -164,7 +164,7 @@ TEST_F(LightingProbe, DimSurfacesAreDecoration)
     const int panel = add_lamp({0.05f, 0.05f, 0.05f});
     d.nodes[0].shapes.push_back({Rectangle{{4, -4, 8}, {-8, 0, 0}, {0, 8, 0}}, panel, ""});
     EXPECT_TRUE(lit().studio);
-    d.materials[std::size_t(panel)].emission.value = {3, 3, 3};
+    d.materials[std::size_t(panel)].emission.radiance.value = {3, 3, 3};
     EXPECT_FALSE(lit().studio);
 }
 
@@ -176,7 +176,7 @@ TEST_F(LightingProbe, StudioTurnsWithTheCamera)
         RenderSettings settings;
         settings.width = settings.height = 32;
         settings.background = Color{0, 0, 0};
-        const RenderJob job(lit(LightChoice::studio).scene, settings);
+        const RenderJob job(lit(LightingMode::studio).scene, settings);
         Film film(job);
         render(job, {0, 16}, film);
         const Image image = film.image(false, false);
@@ -192,7 +192,7 @@ TEST_F(LightingProbe, StudioTurnsWithTheCamera)
 TEST_F(LightingProbe, KeepsUnlitModels)
 {
     d.materials[0].kind = MaterialKind::unlit;
-    const AutoLitScene scene = lit();
+    const LitScene scene = lit();
     EXPECT_FALSE(scene.studio);
     EXPECT_FALSE(scene.exposure_ev.has_value());
     EXPECT_TRUE(scene.backdrop);

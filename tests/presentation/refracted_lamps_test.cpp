@@ -3,7 +3,7 @@
 
 #include <numbers>
 
-#include "fathom/first_look.h"
+#include "fathom/lighting.h"
 #include "seen_from.h"
 #include "support/placed_light.h"
 
@@ -35,7 +35,7 @@ protected:
     std::string warning()
     {
         Warnings warnings;
-        compile_lit(d, "", LightChoice::file, 1, warnings);
+        compile_lit(d, "", LightingMode::file, 1, warnings);
         EXPECT_LE(warnings.counts().size(), 1u);
         return warnings.empty() ? "" : warnings.counts().begin()->first;
     }
@@ -56,7 +56,7 @@ TEST_F(RefractedLampsTest, OfEveryKindWithinGlass)
         add_ball({0, 0, 0}, 1);
         expect_hidden("glass");
         d.materials.back().kind = MaterialKind::principled;
-        d.materials.back().transmission.value = 1;
+        d.materials.back().transmission.weight.value = 1;
         d.materials.back().base_color.value = {1, 0.9f, 0.8f};
         expect_hidden("principled");
     }
@@ -107,7 +107,7 @@ TEST_F(RefractedLampsTest, NoLightIsLost)
         d = before;
         return said;
     };
-    EXPECT_EQ(with([](Material& m) { m.thin = true; }), "");
+    EXPECT_EQ(with([](Material& m) { m.interior.thin = true; }), "");
     EXPECT_EQ(with([](Material& m) { m.roughness.value = 0.2f; }), "");
     EXPECT_EQ(with([](Material& m) { m.ior = 1; }), "");
     EXPECT_EQ(with([](Material& m) { m.kind = MaterialKind::metal; }), "");
@@ -116,7 +116,7 @@ TEST_F(RefractedLampsTest, NoLightIsLost)
     d.lights.clear();
     d.nodes[0].shapes.push_back({Sphere{{0, 0, 0}, 0.1, {}}, int(d.materials.size()), ""});
     d.materials.emplace_back();
-    d.materials.back().emission.value = {9, 9, 9};
+    d.materials.back().emission.radiance.value = {9, 9, 9};
     EXPECT_EQ(warning(), "");
 }
 

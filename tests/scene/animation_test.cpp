@@ -14,7 +14,7 @@
 namespace fathom {
 namespace {
 
-AnimationChannel channel(AnimatedValue value, Interpolation interpolation, std::vector<float> times,
+AnimationChannel channel(AnimatedProperty value, Interpolation interpolation, std::vector<float> times,
                          std::vector<float> values)
 {
     return {value, 0, interpolation, std::move(times), std::move(values)};
@@ -25,7 +25,7 @@ TEST(AnimationValues, SplinesGiveBackCubicPolynomials)
 {
     const auto p = [](double t) { return 2 * t * t * t - t * t + 3 * t + 1; };
     const auto slope = [](double t) { return 6 * t * t - 2 * t + 3; };
-    AnimationChannel c = channel(AnimatedValue::translation, Interpolation::cubic, {-1, 0.5f, 2}, {});
+    AnimationChannel c = channel(AnimatedProperty::translation, Interpolation::cubic, {-1, 0.5f, 2}, {});
     for (const float t : c.times)
         for (const bool is_value : {false, true, false})
             for (const double factor : {1.0, -2.0, 0.5})
@@ -44,7 +44,7 @@ TEST(AnimationValues, SplinesGiveBackCubicPolynomials)
 TEST(AnimationValues, StepsLinesAndEnds)
 {
     for (const Interpolation interpolation : {Interpolation::step, Interpolation::linear}) {
-        const AnimationChannel c = channel(AnimatedValue::weights, interpolation, {1, 2, 4}, {10, 1, 20, 2, 60, 3});
+        const AnimationChannel c = channel(AnimatedProperty::weights, interpolation, {1, 2, 4}, {10, 1, 20, 2, 60, 3});
         const auto at = [&](double t) { return value_at(c, t); };
         const bool steps = interpolation == Interpolation::step;
         using Values = std::vector<double>;
@@ -58,7 +58,7 @@ TEST(AnimationValues, StepsLinesAndEnds)
         EXPECT_EQ(at(-1e9), (Values{10, 1}));
     }
     // A single key applies at all times.
-    EXPECT_EQ(value_at(channel(AnimatedValue::roughness, Interpolation::linear, {3}, {0.5f}), 1),
+    EXPECT_EQ(value_at(channel(AnimatedProperty::roughness, Interpolation::linear, {3}, {0.5f}), 1),
               (std::vector<double>{0.5}));
 }
 
@@ -69,7 +69,7 @@ TEST(AnimationValues, RotationsTurnSteadily)
     const float s = float(std::sin(angle / 2)), c = float(std::cos(angle / 2));
     for (const float sign : {1.0f, -1.0f}) {
         const AnimationChannel turning =
-            channel(AnimatedValue::rotation, Interpolation::linear, {0, 2}, {0, 0, 0, 1, 0, sign * s, 0, sign * c});
+            channel(AnimatedProperty::rotation, Interpolation::linear, {0, 2}, {0, 0, 0, 1, 0, sign * s, 0, sign * c});
         for (int step = 0; step <= 8; ++step) {
             const double t = 0.25 * step;
             const std::vector<double> q = value_at(turning, t);
@@ -81,7 +81,7 @@ TEST(AnimationValues, RotationsTurnSteadily)
     }
     // Splines of quaternions are normalized to rotations.
     AnimationChannel spline =
-        channel(AnimatedValue::rotation, Interpolation::cubic, {0, 1}, std::vector<float>(24, 0.0f));
+        channel(AnimatedProperty::rotation, Interpolation::cubic, {0, 1}, std::vector<float>(24, 0.0f));
     spline.values[7] = 1, spline.values[17] = 1;  // from identity to half a turn about y
     const std::vector<double> q = value_at(spline, 0.5);
     EXPECT_NEAR(q[1], std::sqrt(0.5), 1e-12);
@@ -92,7 +92,8 @@ TEST(AnimationValues, WhatIsWrongWithKeys)
 {
     const float nan = std::numeric_limits<float>::quiet_NaN(), infinite = std::numeric_limits<float>::infinity();
     const auto problem = [](std::vector<float> times, std::vector<float> values,
-                            Interpolation i = Interpolation::linear, AnimatedValue value = AnimatedValue::translation) {
+                            Interpolation i = Interpolation::linear,
+                            AnimatedProperty value = AnimatedProperty::translation) {
         return problem_of(channel(value, i, std::move(times), std::move(values)));
     };
     EXPECT_EQ(problem({0}, {1, 2, 3}), "");
@@ -104,7 +105,7 @@ TEST(AnimationValues, WhatIsWrongWithKeys)
     EXPECT_EQ(problem({0}, {1, nan, 3}), "a value is not finite");
     EXPECT_EQ(problem({0}, {1, 2}), "2 numbers are not 3 for each of 1 keys");
     EXPECT_EQ(problem({0}, {1, 2, 3}, Interpolation::cubic), "3 numbers are not 9 for each of 1 keys");
-    EXPECT_EQ(problem({0, 1}, {1, 2, 3}, Interpolation::step, AnimatedValue::weights),
+    EXPECT_EQ(problem({0, 1}, {1, 2, 3}, Interpolation::step, AnimatedProperty::weights),
               "3 numbers are not as many for each of 2 keys");
 }
 
@@ -146,9 +147,9 @@ protected:
         animation.name = "bend";
         const float h = float(std::sqrt(0.5));
         animation.channels.push_back(
-            channel(AnimatedValue::rotation, Interpolation::linear, {0, 1}, {0, 0, 0, 1, 0, 0, h, h}));
+            channel(AnimatedProperty::rotation, Interpolation::linear, {0, 1}, {0, 0, 0, 1, 0, 0, h, h}));
         animation.channels.back().target = 1;
-        animation.channels.push_back(channel(AnimatedValue::weights, Interpolation::linear, {0, 2}, {0, 1}));
+        animation.channels.push_back(channel(AnimatedProperty::weights, Interpolation::linear, {0, 2}, {0, 1}));
         animation.channels.back().target = 3;
     }
     std::string error()
@@ -194,7 +195,7 @@ TEST_F(Player, SkinsBendAndTargetsMorph)
 TEST_F(Player, RejectsDegeneratePoses)
 {
     // All weight is on a joint that flattens everything.
-    rig.animations[0].channels[0] = channel(AnimatedValue::scale, Interpolation::step, {0}, {0, 0, 0});
+    rig.animations[0].channels[0] = channel(AnimatedProperty::scale, Interpolation::step, {0}, {0, 0, 0});
     rig.animations[0].channels[0].target = 1;
     const AnimationPlayer player(scene, rig, 0);
     set_pose(scene, player.pose(0));
@@ -230,7 +231,8 @@ TEST_F(Player, ShuttersSeeThePosesOfTheirTimes)
     set_pose(blurred, player.pose(7, open));
     EXPECT_TRUE(blurred.nodes[1].motion.empty());
     EXPECT_TRUE(blurred.meshes[0].motion.empty());
-    rig.animations[0].channels[0] = channel(AnimatedValue::scale, Interpolation::linear, {0, 1}, {1, 1, 1, -1, 1, 1});
+    rig.animations[0].channels[0] =
+        channel(AnimatedProperty::scale, Interpolation::linear, {0, 1}, {1, 1, 1, -1, 1, 1});
     rig.animations[0].channels[0].target = 1;
     set_pose(blurred, AnimationPlayer(scene, rig, 0).pose(begin, open));
     EXPECT_TRUE(blurred.nodes[1].motion.empty());

@@ -20,9 +20,9 @@ SceneDescription scene_of(const std::string& name)
     s.materials.resize(1);
     Material& m = s.materials[0];
     m.name = name;
-    m.base_color.texture = m.transmission_color.texture = m.roughness.texture = m.metallic.texture = 1;
-    m.emission.texture = m.alpha.texture = m.normal_texture = 1;
-    m.material_a = m.material_b = m.measured = 0;
+    m.base_color.texture = m.transmission.color.texture = m.roughness.texture = m.metallic.texture = 1;
+    m.emission.radiance.texture = m.opacity.alpha.texture = m.normal_map.texture = 1;
+    m.mixture.material_a = m.mixture.material_b = m.measured = 0;
     s.meshes.resize(1), s.meshes[0].name = name;
     s.curves.resize(1), s.curves[0].name = name;
     s.points.resize(1), s.points[0].name = name;
@@ -61,12 +61,12 @@ TEST(AppendScene, EverythingStillRefersToItsOwn)
         const Material& m = all.materials[std::size_t(n.shapes[0].material)];
         EXPECT_EQ(m.name, name);
         EXPECT_EQ(all.measured[std::size_t(m.measured)].name, name);
-        EXPECT_EQ(m.material_a, n.shapes[0].material);
-        EXPECT_EQ(m.material_b, n.shapes[0].material);
+        EXPECT_EQ(m.mixture.material_a, n.shapes[0].material);
+        EXPECT_EQ(m.mixture.material_b, n.shapes[0].material);
         EXPECT_EQ(parts[i].first_material, n.shapes[0].material);
         EXPECT_EQ(parts[i].material_end, n.shapes[0].material + 1);
-        for (int texture : {m.base_color.texture, m.transmission_color.texture, m.roughness.texture, m.metallic.texture,
-                            m.emission.texture, m.alpha.texture, m.normal_texture}) {
+        for (int texture : {m.base_color.texture, m.transmission.color.texture, m.roughness.texture, m.metallic.texture,
+                            m.emission.radiance.texture, m.opacity.alpha.texture, m.normal_map.texture}) {
             EXPECT_EQ(all.textures[std::size_t(texture)].name, name);
             EXPECT_EQ(all.images[std::size_t(all.textures[std::size_t(texture)].image)].name, name);
             // The preceding texture refers to it.

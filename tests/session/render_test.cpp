@@ -5,6 +5,7 @@
 
 #include "fathom/error.h"
 #include "fathom/render.h"
+#include "support/film_contents.h"
 
 namespace fathom {
 namespace {
@@ -15,8 +16,8 @@ SceneDescription scene_of(int kind, float radiance)
     SceneDescription d;
     Material m;
     m.kind = MaterialKind::none;
-    m.emission.value = {radiance, 2 * radiance, 3 * radiance};
-    m.emission_two_sided = true;
+    m.emission.radiance.value = {radiance, 2 * radiance, 3 * radiance};
+    m.emission.two_sided = true;
     d.materials = {m, {}};
     Node node;
     node.shapes.push_back({Rectangle{{-100, -100, -5}, {200, 0, 0}, {0, 200, 0}}, 0, ""});
@@ -80,12 +81,12 @@ TEST(Render, RefusesSamplesThatTheFilmHas)
     const RenderJob job(Scene::compile(scene_of(1, 1), "", warnings), settings);
     Film film(job);
     EXPECT_TRUE(render(job, {4, 8}, film));
-    const Film::Sums before = film.sums();
+    const Film before = test::copy_of(film);
     EXPECT_THROW(render(job, {0, 5}, film), Error);
     EXPECT_THROW(render(job, {7, 20}, film), Error);
     EXPECT_THROW(render(job, {3, 2}, film), Error);
-    EXPECT_EQ(film.sums().words, before.words);
-    EXPECT_EQ(film.sums().samples, before.samples);
+    EXPECT_EQ(test::words_of(film), test::words_of(before));
+    EXPECT_EQ(film.samples(), before.samples());
     EXPECT_TRUE(render(job, {0, 4}, film));
 }
 
@@ -183,7 +184,7 @@ TEST(Render, CountsRaysAndVertices)
         RenderSettings settings;
         settings.width = 33, settings.height = 21;
         settings.max_depth = 1;
-        settings.measure = true;
+        settings.measure_stages = true;
         const RenderJob job(Scene::compile(d, "", warnings), settings);
         Film film(job);
         RenderCosts costs;
@@ -205,7 +206,7 @@ TEST(Render, TimesItsStages)
         Warnings warnings;
         RenderSettings settings;
         settings.width = 64, settings.height = 48;
-        settings.measure = measure;
+        settings.measure_stages = measure;
         const RenderJob job(Scene::compile(noisy(2), "", warnings), settings);
         Film film(job);
         RenderCosts costs;

@@ -9,6 +9,7 @@
 #include <thread>
 
 #include "commands/commands.h"
+#include "film/film_words.h"
 #include "options/arguments.h"
 #include "options/sample_plan.h"
 #include "process/interrupt.h"
@@ -23,28 +24,28 @@ using Words = std::vector<std::uint32_t>;
 constexpr std::size_t piece_bytes = std::size_t(1) << 20;
 constexpr Transfer none = -1;
 
-/// Sample ranges and dropped samples of a film, sent before its words.
+/// Sample ranges and invalid samples of a film, sent before its words.
 std::string header_of(const Film& film)
 {
-    std::string text = fmt::format("{}\n{}", sample_ranges_text(film.samples()), film.dropped_samples());
-    if (const auto dropped = film.dropped_sample())
-        text += fmt::format("\n{} {} {}", dropped->x, dropped->y, dropped->sample);
+    std::string text = fmt::format("{}\n{}", sample_ranges_text(film.samples()), film.invalid_samples());
+    if (const auto invalid = film.invalid_sample())
+        text += fmt::format("\n{} {} {}", invalid->x, invalid->y, invalid->sample);
     return text;
 }
 
 /// Adds another rank's header: its samples count as present from here on.
-void begin_merge(Film& into, const std::string& header)
+void merge_header(Film& into, const std::string& header)
 {
     const std::vector<std::string> lines = split(header, '\n');
     std::vector<SampleRange> samples;
     if (!lines.at(0).empty())
         for (const std::string& range : split(lines[0], ',')) samples.push_back(parse_sample_range(range));
-    std::optional<Film::SampleLocation> dropped;
+    std::optional<Film::SampleLocation> invalid;
     if (lines.size() > 2) {
         const std::vector<std::string> parts = split(lines[2], ' ');
-        dropped = Film::SampleLocation{std::stoi(parts.at(0)), std::stoi(parts.at(1)), std::stoull(parts.at(2))};
+        invalid = Film::SampleLocation{std::stoi(parts.at(0)), std::stoi(parts.at(1)), std::stoull(parts.at(2))};
     }
-    into.begin_merge(into.key(), samples, std::stoull(lines.at(1)), dropped);
+    begin_merge(into, into.key(), samples, std::stoull(lines.at(1)), invalid);
 }
 
 /// A rank that sends the sums of its subtree here, two pieces at a time.
@@ -63,7 +64,7 @@ public:
           into_(into),
           patience_s_(patience_s),
           pixels_(std::size_t(own.width()) * std::size_t(own.height())),
-          words_(std::size_t(own.words_per_pixel())),
+          words_(std::size_t(words_per_pixel(own))),
           step_(std::max<std::size_t>(1, piece_bytes / (words_ * sizeof(std::uint32_t)))),
           count_((pixels_ + step_ - 1) / step_)
     {
@@ -103,19 +104,19 @@ private:
     void merge(std::size_t piece)
     {
         for (const ChildRank& child : children_)
-            into_->merge_words(piece * step_, child.pieces[piece % ahead].data(), pixels_of(piece));
+            merge_words(*into_, piece * step_, child.pieces[piece % ahead].data(), pixels_of(piece));
     }
 
     void pass_on(std::size_t piece)
     {
         Transfer& transfer = sent_[piece % ahead];
         wait(transfer);
-        const std::uint32_t* words = own_.words() + piece * step_ * words_;
+        const std::uint32_t* words = film_words(own_) + piece * step_ * words_;
         if (!children_.empty()) {
             Words& sum = sums_[piece % ahead];
             sum.assign(words, words + pixels_of(piece) * words_);
             for (const ChildRank& child : children_)
-                own_.add_words(child.pieces[piece % ahead].data(), sum.data(), pixels_of(piece));
+                add_words(own_, child.pieces[piece % ahead].data(), sum.data(), pixels_of(piece));
             words = sum.data();
         }
         transfer = ranks_.start_send((ranks_.rank() - 1) / 2, words, bytes_of(piece));
@@ -153,7 +154,7 @@ private:
 void gather_films(Ranks& ranks, const Film& own, Film* into, double patience_s)
 {
     if (into)
-        for (int i = 1; i < ranks.count(); ++i) begin_merge(*into, ranks.wait({"film"}).body);
+        for (int i = 1; i < ranks.count(); ++i) merge_header(*into, ranks.wait({"film"}).body);
     else
         ranks.send(0, "film", header_of(own));
     TreeNode(ranks, own, into, patience_s).run();

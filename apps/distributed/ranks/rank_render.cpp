@@ -69,7 +69,7 @@ void RankRender::train_guiding()
 {
     const double begin_s = seconds_since_start();
     render(job_, {0, 0}, own_.film, &interrupted());
-    if (job_.settings().guiding && job_.settings().measure)
+    if (job_.settings().guiding && job_.settings().measure_stages)
         report_.costs.seconds[std::size_t(RenderStage::learn)] +=
             (seconds_since_start() - begin_s) * job_.settings().threads;
 }

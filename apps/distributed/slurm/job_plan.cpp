@@ -6,9 +6,9 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
+#include "base/text_file.h"
 #include "fathom/error.h"
 #include "fathom/film_file.h"
-#include "fathom/text_file.h"
 #include "options/sample_plan.h"
 
 namespace fathom::cli {

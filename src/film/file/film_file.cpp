@@ -246,7 +246,7 @@ const std::vector<SampleRange>& FilmFile::samples() const
 {
     return data_->samples;
 }
-std::uint64_t FilmFile::dropped_samples() const
+std::uint64_t FilmFile::invalid_samples() const
 {
     return data_->dropped;
 }

@@ -139,17 +139,17 @@ void AssimpConverter::add_layers(const aiMaterial& from, Color diffuse, Material
         m.roughness = {share(AI_MATKEY_ROUGHNESS_FACTOR, roughness_map >= 0 ? 1 : 0.5f), roughness_map, packed ? 1 : 0};
         m.metallic = {share(AI_MATKEY_METALLIC_FACTOR, metallic_map >= 0 ? 1 : 0), metallic_map, packed ? 2 : 0};
     }
-    m.anisotropy.value = anisotropy;
-    m.coat = {coat, map(aiTextureType_CLEARCOAT, 0), 0};
-    m.coat_roughness = {share(AI_MATKEY_CLEARCOAT_ROUGHNESS_FACTOR, 0), map(aiTextureType_CLEARCOAT, 1), 1};
-    m.coat_normal_texture = map(aiTextureType_CLEARCOAT, 2);
-    m.sheen_color = {sheen, texture(from, aiTextureType_SHEEN, ColorSpace::srgb, 0)};
-    m.sheen_roughness.value = share(AI_MATKEY_SHEEN_ROUGHNESS_FACTOR, m.sheen_roughness.value);
-    m.transmission = {transmission, map(aiTextureType_TRANSMISSION, 0), 0};
+    m.microfacets.anisotropy.value = anisotropy;
+    m.coat.weight = {coat, map(aiTextureType_CLEARCOAT, 0), 0};
+    m.coat.roughness = {share(AI_MATKEY_CLEARCOAT_ROUGHNESS_FACTOR, 0), map(aiTextureType_CLEARCOAT, 1), 1};
+    m.coat.normal_texture = map(aiTextureType_CLEARCOAT, 2);
+    m.sheen.color = {sheen, texture(from, aiTextureType_SHEEN, ColorSpace::srgb, 0)};
+    m.sheen.roughness.value = share(AI_MATKEY_SHEEN_ROUGHNESS_FACTOR, m.sheen.roughness.value);
+    m.transmission.weight = {transmission, map(aiTextureType_TRANSMISSION, 0), 0};
     const float distance = number(from, AI_MATKEY_VOLUME_ATTENUATION_DISTANCE).value_or(0);
-    m.attenuation_distance = distance > 0 ? double(distance) : 0;
-    m.attenuation_color = bounded(color_or(from, AI_MATKEY_VOLUME_ATTENUATION_COLOR, {1, 1, 1}));
-    m.thin = transmission > 0 && !(number(from, AI_MATKEY_VOLUME_THICKNESS_FACTOR).value_or(0) > 0);
+    m.interior.attenuation_distance = distance > 0 ? double(distance) : 0;
+    m.interior.attenuation_color = bounded(color_or(from, AI_MATKEY_VOLUME_ATTENUATION_COLOR, {1, 1, 1}));
+    m.interior.thin = transmission > 0 && !(number(from, AI_MATKEY_VOLUME_THICKNESS_FACTOR).value_or(0) > 0);
 }
 
 void AssimpConverter::add_material(const aiMaterial& from)
@@ -172,24 +172,26 @@ void AssimpConverter::add_material(const aiMaterial& from)
     set_phong(m, phong);
 
     add_layers(from, phong.diffuse, m);
-    m.emission.value = color_or(from, AI_MATKEY_COLOR_EMISSIVE, {0, 0, 0});
-    m.emission.texture = texture(from, aiTextureType_EMISSIVE, ColorSpace::srgb);
-    if (m.emission.texture >= 0 && m.emission.value == Color{0, 0, 0}) m.emission.value = {1, 1, 1};
+    m.emission.radiance.value = color_or(from, AI_MATKEY_COLOR_EMISSIVE, {0, 0, 0});
+    m.emission.radiance.texture = texture(from, aiTextureType_EMISSIVE, ColorSpace::srgb);
+    if (m.emission.radiance.texture >= 0 && m.emission.radiance.value == Color{0, 0, 0})
+        m.emission.radiance.value = {1, 1, 1};
     const float intensity = std::max(number(from, AI_MATKEY_EMISSIVE_INTENSITY).value_or(1), 0.0f);
-    for (float* c : {&m.emission.value.r, &m.emission.value.g, &m.emission.value.b}) *c *= intensity;
-    m.emission_two_sided = true;
-    m.normal_texture = texture(from, aiTextureType_NORMALS, ColorSpace::linear);
+    for (float* c : {&m.emission.radiance.value.r, &m.emission.radiance.value.g, &m.emission.radiance.value.b})
+        *c *= intensity;
+    m.emission.two_sided = true;
+    m.normal_map.texture = texture(from, aiTextureType_NORMALS, ColorSpace::linear);
     // Assimp's type HEIGHT stands for bump maps. The scale is FBX's, which has no name in Assimp's headers.
     if (const int heights = texture(from, aiTextureType_DISPLACEMENT, ColorSpace::linear); heights >= 0)
-        m.displacement = {number(from, "$mat.displacementscaling", 0, 0).value_or(1), heights, 0};
+        m.displacement.height = {number(from, "$mat.displacementscaling", 0, 0).value_or(1), heights, 0};
     if (const int opacity = texture(from, aiTextureType_OPACITY, ColorSpace::linear); opacity >= 0) {
         const auto image_of = [&](int t) { return t >= 0 ? to_.textures[std::size_t(t)].image : -1; };
         const bool same = image_of(opacity) == image_of(m.base_color.texture);
         // If the opacity map is the color image, its alpha channel is meant.
         if (!same || may_have_alpha(to_.textures[std::size_t(opacity)].name)) {
-            m.alpha.texture = opacity;
-            m.alpha.channel = same ? 3 : 0;
-            m.alpha_mode = AlphaMode::blend;
+            m.opacity.alpha.texture = opacity;
+            m.opacity.alpha.channel = same ? 3 : 0;
+            m.opacity.mode = AlphaMode::blend;
         }
     }
     to_.materials.push_back(std::move(m));

@@ -100,14 +100,7 @@ void members(Archive& a, T& x)
     } else if constexpr (std::is_same_v<Type, Material>) {
         all(x.name, x.kind);
         for (const Parameter<Material>& p : material_parameters())
-            std::visit(
-                [&](auto member) {
-                    if constexpr (requires { member.index; })
-                        a.field(x.*member.index);
-                    else
-                        a.field(x.*member);
-                },
-                p.member);
+            std::visit([&](auto member) { a.field(member(x)); }, p.member);
     } else if constexpr (std::is_same_v<Type, Mesh>) {
         all(x.name, x.positions, x.normals, x.tangents, x.uvs[0], x.uvs[1], x.colors, x.indices);
     } else if constexpr (std::is_same_v<Type, Shape>) {

@@ -7,7 +7,7 @@ namespace fathom {
 /// Whether the material is a fully transparent interface that rays pass without any effect.
 inline bool is_null_interface(const Material& m)
 {
-    return m.kind == MaterialKind::none && m.alpha.value == 0;
+    return m.kind == MaterialKind::none && m.opacity.alpha.value == 0;
 }
 
 /// Appends a texture and returns its index.
@@ -49,8 +49,8 @@ inline Material blend_with_transparent(SceneDescription& scene, Material m, Floa
 {
     if (of_nothing && weight.texture < 0) weight.value = 1 - weight.value;
     if (of_nothing && weight.texture >= 0) weight = {1, gray_texture(scene, weight, 1, 0), 1};
-    m.alpha = m.alpha_mode == AlphaMode::opaque ? weight : product(scene, m.alpha, weight);
-    m.alpha_mode = AlphaMode::blend;
+    m.opacity.alpha = m.opacity.mode == AlphaMode::opaque ? weight : product(scene, m.opacity.alpha, weight);
+    m.opacity.mode = AlphaMode::blend;
     return m;
 }
 

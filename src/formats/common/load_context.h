@@ -22,7 +22,7 @@ public:
     /// Defects of all meshes read so far; load_scene_file turns them into warnings.
     MeshFaults mesh_faults;
     /// The scenes, variants and animations that the main file offers; filled by readers of formats with choices.
-    SceneFile offered;
+    SceneFileContents offered;
     std::string format;                             ///< of the main file
     std::vector<std::filesystem::path> open_files;  ///< files being read, the main file first; detects include cycles
 

@@ -16,7 +16,7 @@ std::string add_surrounding_medium(SceneDescription& scene, Material medium)
     }
     const double radius = length(box.max - box.min);
     // With the lowest priority, every other medium takes precedence.
-    medium.priority = -1000;
+    medium.interior.priority = -1000;
     scene.materials.push_back(std::move(medium));
     Shape ball;
     ball.geometry = Sphere{(box.min + box.max) * 0.5, radius > 0 ? radius : 1, {}};

@@ -33,11 +33,11 @@ inline void fill_solid(Material& solid, Color absorption, Color scattering, floa
     // Transmittance of the reference distance; both coefficients attenuate.
     const auto left = [&](float a, float s) { return float(std::exp(-(double(a) + double(s)) * distance)); };
     const auto scattered = [&](float s) { return float(double(s) * distance); };
-    solid.attenuation_distance = distance;
-    solid.attenuation_color = {left(absorption.r, scattering.r), left(absorption.g, scattering.g),
-                               left(absorption.b, scattering.b)};
-    solid.transmission_scatter = {scattered(scattering.r), scattered(scattering.g), scattered(scattering.b)};
-    solid.transmission_scatter_anisotropy = mean_cosine;
+    solid.interior.attenuation_distance = distance;
+    solid.interior.attenuation_color = {left(absorption.r, scattering.r), left(absorption.g, scattering.g),
+                                        left(absorption.b, scattering.b)};
+    solid.interior.scatter = {scattered(scattering.r), scattered(scattering.g), scattered(scattering.b)};
+    solid.interior.scatter_anisotropy = mean_cosine;
 }
 
 /// Collects the media that a scene format names inside and outside of each shape. Fathom derives the outside medium

@@ -47,8 +47,8 @@ inline void set_phong(Material& m, const Phong& phong)
         m.kind = MaterialKind::diffuse;
         m.roughness.value = 0;
     }
-    m.alpha.value = std::clamp(phong.opacity, 0.0f, 1.0f);
-    if (m.alpha.value < 1) m.alpha_mode = AlphaMode::blend;
+    m.opacity.alpha.value = std::clamp(phong.opacity, 0.0f, 1.0f);
+    if (m.opacity.alpha.value < 1) m.opacity.mode = AlphaMode::blend;
 }
 
 }  // namespace fathom

@@ -23,7 +23,7 @@ void for_each_reached(const SceneDescription& scene, const Material& m, const Vi
 {
     for_each_texture(m, material_parameters(),
                      [&](int texture, const char*) { for_each_reached_by_texture(scene, texture, visit); });
-    for (const int part : {m.material_a, m.material_b})
+    for (const int part : {m.mixture.material_a, m.mixture.material_b})
         if (part >= 0) for_each_reached(scene, scene.materials[std::size_t(part)], visit);
 }
 
@@ -31,9 +31,9 @@ void for_each_reached(const SceneDescription& scene, const Material& m, const Vi
 /// measured data.
 inline bool has_anisotropy(const SceneDescription& scene, const Material& m)
 {
-    bool found = m.anisotropy.value != 0;
+    bool found = m.microfacets.anisotropy.value != 0;
     if (m.kind == MaterialKind::measured) found = !scene.measured[std::size_t(m.measured)].is_isotropic();
-    for (const int part : {m.material_a, m.material_b})
+    for (const int part : {m.mixture.material_a, m.mixture.material_b})
         found = found || (part >= 0 && has_anisotropy(scene, scene.materials[std::size_t(part)]));
     return found;
 }

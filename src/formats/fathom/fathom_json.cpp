@@ -274,7 +274,7 @@ SceneDescription FathomJsonReader::read()
 void FathomJsonReader::keep_zero_exposure()
 {
     const bool emits = std::any_of(scene_.materials.begin(), scene_.materials.end(), [](const Material& m) {
-        return std::max({m.emission.value.r, m.emission.value.g, m.emission.value.b}) > 0;
+        return std::max({m.emission.radiance.value.r, m.emission.radiance.value.g, m.emission.radiance.value.b}) > 0;
     });
     if (scene_.hints.own_light && !scene_.hints.exposure && (emits || scene_.environment.kind != EnvironmentKind::none))
         scene_.hints.exposure = 0;

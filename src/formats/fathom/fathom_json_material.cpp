@@ -252,7 +252,7 @@ void FathomJsonReader::read_emission_unit(JsonObject& o, Material& material)
                                                                {"W/m2", lumens_per_watt / std::numbers::pi}};
     double nits = 1;
     o.read_enum("emission_unit", units, nits);
-    Color& value = material.emission.value;
+    Color& value = material.emission.radiance.value;
     value = {float(value.r * nits), float(value.g * nits), float(value.b * nits)};
 }
 
@@ -276,8 +276,8 @@ void FathomJsonReader::read_conductor(JsonObject& o, Material& material)
     const ConductorColors colors = colors_of(conductor);
     material.base_color.value = colors.base;
     if (material.kind != MaterialKind::principled) return;
-    material.edge_color.value = colors.edge;
-    material.conductor_eta = conductor.eta, material.conductor_k = conductor.k;
+    material.conductor.edge_color.value = colors.edge;
+    material.conductor.eta = conductor.eta, material.conductor.k = conductor.k;
     material.metallic.value = 1;
 }
 
@@ -319,7 +319,7 @@ Material FathomJsonReader::read_material(const JsonValue& v, const std::string& 
     JsonObject o(v);
     o.read_enum("kind", words_of(material_kinds()), m.kind);
     // A material with alpha is blended unless alpha_mode says otherwise.
-    if (v.has("alpha")) m.alpha_mode = AlphaMode::blend;
+    if (v.has("alpha")) m.opacity.mode = AlphaMode::blend;
     read_parameters(o, material_parameters(), std::uint32_t(m.kind), {}, m);
     if (m.kind != MaterialKind::unlit) read_emission_unit(o, m);
     if (m.kind == MaterialKind::metal || m.kind == MaterialKind::principled) read_conductor(o, m);

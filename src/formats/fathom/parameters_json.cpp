@@ -42,19 +42,19 @@ private:
     Json value(const P& p, const Owner& owner, Member member) const
     {
         if constexpr (std::is_same_v<Member, TextureReference<Owner>>) {
-            const int texture = owner.*member.index;
+            const int texture = member(owner);
             return texture < 0 ? Json() : Json(names_.textures[std::size_t(texture)]);
         } else if constexpr (std::is_same_v<Member, ImageReference<Owner>>) {
-            const int image = owner.*member.index;
+            const int image = member(owner);
             return image < 0 ? Json() : Json(names_.images[std::size_t(image)]);
         } else if constexpr (std::is_same_v<Member, MeasuredReference<Owner>>) {
-            const int measured = owner.*member.index;
+            const int measured = member(owner);
             return measured < 0 ? Json() : Json(names_.measured[std::size_t(measured)]);
         } else if constexpr (std::is_same_v<Member, MaterialReference<Owner>>) {
-            const int material = owner.*member.index;
+            const int material = member(owner);
             return material < 0 ? Json() : Json(names_.materials[std::size_t(material)]);
         } else {
-            return value(p, owner.*member);
+            return value(p, member(owner));
         }
     }
 
@@ -76,8 +76,8 @@ private:
     Json value(const P& p, const ColorInput& v) const { return input(color_json(inside(p, v.value)), v.texture, {}); }
     Json value(const P& p, const FloatInput& v) const
     {
-        const auto* member = std::get_if<FloatInput Owner::*>(&p.member);
-        const bool is_usual = v.channel == (Owner{}.*(*member)).channel;
+        const auto* member = std::get_if<Field<Owner, FloatInput>>(&p.member);
+        const bool is_usual = v.channel == (*member)(Owner{}).channel;
         return input(number_json(float(inside(p, v.value))), v.texture,
                      is_usual ? Json() : Json(words::channels[std::size_t(v.channel)]));
     }
@@ -169,7 +169,7 @@ Json material_json(const Material& material, const ParameterNames& names)
     json["kind"] = word_of(material_kinds(), material.kind);
     ParameterWriter<Material>(material, names).write(material_parameters(), std::uint32_t(material.kind), json);
     // Without alpha, the mode `opaque` is the default.
-    if (!json.contains("alpha") && material.alpha_mode == AlphaMode::opaque) json.erase("alpha_mode");
+    if (!json.contains("alpha") && material.opacity.mode == AlphaMode::opaque) json.erase("alpha_mode");
     return json;
 }
 

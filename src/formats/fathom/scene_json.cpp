@@ -253,7 +253,7 @@ private:
         add_light_parameters(light, names(), json);
         for (const LightUnit& unit : info.units)
             if (unit.is_flux && !unit.is_radiometric && light.intensity_is_flux) json["unit"] = unit.name;
-        const LightPicture& picture = light.picture;
+        const LightImage& picture = light.picture;
         if (picture.image < 0 || !info.image_meaning) return json;
         json["image"] = images_[std::size_t(picture.image)];
         if (picture.color_space != ColorSpace::srgb)

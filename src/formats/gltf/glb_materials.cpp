@@ -47,14 +47,16 @@ Material GlbMaterials::dominant_material(int material)
     const Material& m = scene_.materials[std::size_t(material)];
     if (m.kind != MaterialKind::mix && m.kind != MaterialKind::two_sided) return m;
     const float factor =
-        m.kind == MaterialKind::mix ? (m.factor.texture < 0 ? 1 : mean_of(m.factor.texture).g) * m.factor.value : 0;
-    Material part = dominant_material(factor > 0.5f ? m.material_b : m.material_a);
+        m.kind == MaterialKind::mix
+            ? (m.mixture.factor.texture < 0 ? 1 : mean_of(m.mixture.factor.texture).g) * m.mixture.factor.value
+            : 0;
+    Material part = dominant_material(factor > 0.5f ? m.mixture.material_b : m.mixture.material_a);
     current_ = &m;
     report(m.kind == MaterialKind::mix ? "a mix of materials: the one with the larger share is written"
                                        : "a different material on the back: the front's material is used");
     part.name = m.name;
-    part.emission = m.emission, part.emission_two_sided = m.emission_two_sided;
-    part.alpha_mode = m.alpha_mode, part.alpha = m.alpha, part.alpha_cutoff = m.alpha_cutoff;
+    part.emission.radiance = m.emission.radiance, part.emission.two_sided = m.emission.two_sided;
+    part.opacity.mode = m.opacity.mode, part.opacity.alpha = m.opacity.alpha, part.opacity.cutoff = m.opacity.cutoff;
     return part;
 }
 
@@ -133,8 +135,8 @@ bool has_facets(MaterialKind kind)
 /// The color that glTF's base color stands for: of transmission in clear materials, else of reflection.
 ColorInput base_color(const Material& m)
 {
-    const bool is_clear = m.kind == MaterialKind::glass || (m.transmission.value > 0 && m.metallic.value == 0);
-    if (is_clear) return m.transmission_color;
+    const bool is_clear = m.kind == MaterialKind::glass || (m.transmission.weight.value > 0 && m.metallic.value == 0);
+    if (is_clear) return m.transmission.color;
     if (m.kind == MaterialKind::none) return {{0, 0, 0}, -1};
     return m.base_color;
 }
@@ -148,12 +150,13 @@ void GlbMaterials::put_base_color(const Material& m, Json& json)
     if (json.contains("baseColorFactor"))
         for (Json& channel : json["baseColorFactor"])
             if (channel.get<float>() > 1) channel = 1, report("a color brighter than white");
-    if (m.alpha_mode != AlphaMode::opaque) {
-        if (m.alpha.value != 1) {
+    if (m.opacity.mode != AlphaMode::opaque) {
+        if (m.opacity.alpha.value != 1) {
             if (!json.contains("baseColorFactor")) json["baseColorFactor"] = color_factor({1, 1, 1});
-            json["baseColorFactor"].push_back(number_json(m.alpha.value));
+            json["baseColorFactor"].push_back(number_json(m.opacity.alpha.value));
         }
-        if (m.alpha.texture >= 0 && (m.alpha.texture != color.texture || m.alpha.channel != alpha))
+        if (m.opacity.alpha.texture >= 0 &&
+            (m.opacity.alpha.texture != color.texture || m.opacity.alpha.channel != alpha))
             report("an alpha other than the base color's");
     }
     if (json.contains("baseColorFactor") && json["baseColorFactor"].size() == 3) json["baseColorFactor"].push_back(1);
@@ -167,7 +170,7 @@ FloatInput GlbMaterials::ggx_roughness(const Material& m)
         roughness = {std::sqrt(m.fuzz), -1, green};
         if (m.fuzz > 0) report("fuzz: roughness is used instead");
     }
-    if (m.beckmann && has_facets(m.kind)) {
+    if (m.microfacets.beckmann && has_facets(m.kind)) {
         roughness.value *= 0.83666f;
         if (roughness.value > 0) report("the Beckmann distribution: it is approximated by GGX");
     }
@@ -192,30 +195,31 @@ void GlbMaterials::put_metallic_roughness(const Material& m, Json& json)
 void GlbMaterials::add_transmission(const Material& m, Json& json)
 {
     const bool is_glass = m.kind == MaterialKind::glass;
-    const FloatInput transmission = is_glass ? FloatInput{1, -1, red} : m.transmission;
+    const FloatInput transmission = is_glass ? FloatInput{1, -1, red} : m.transmission.weight;
     if (transmission.value > 0)
         put_factor(extension(json, "KHR_materials_transmission"), "transmissionFactor", transmission, 0,
                    "transmissionTexture", red);
-    if (m.diffuse_transmission.value > 0) {
-        if (m.diffuse_transmission_added) report("diffuse transmission that is added to the reflection");
+    if (m.diffuse_transmission.weight.value > 0) {
+        if (m.diffuse_transmission.added) report("diffuse transmission that is added to the reflection");
         Json& passing = extension(json, "KHR_materials_diffuse_transmission");
-        put_factor(passing, "diffuseTransmissionFactor", m.diffuse_transmission, 0, "diffuseTransmissionTexture",
+        put_factor(passing, "diffuseTransmissionFactor", m.diffuse_transmission.weight, 0, "diffuseTransmissionTexture",
                    alpha);
-        put_color(passing, "diffuseTransmissionColorFactor", m.diffuse_transmission_color, {1, 1, 1},
+        put_color(passing, "diffuseTransmissionColorFactor", m.diffuse_transmission.color, {1, 1, 1},
                   "diffuseTransmissionColorTexture");
     }
-    if (transmission.value <= 0 && m.diffuse_transmission.value <= 0) return;
-    if (m.dispersion > 0) extension(json, "KHR_materials_dispersion")["dispersion"] = number_json(m.dispersion);
-    if (m.thin) {
-        if (is_glass && m.attenuation_distance > 0) report("the absorption of a thin sheet of glass");
+    if (transmission.value <= 0 && m.diffuse_transmission.weight.value <= 0) return;
+    if (m.transmission.dispersion > 0)
+        extension(json, "KHR_materials_dispersion")["dispersion"] = number_json(m.transmission.dispersion);
+    if (m.interior.thin) {
+        if (is_glass && m.interior.attenuation_distance > 0) report("the absorption of a thin sheet of glass");
         return;
     }
     // Any thickness makes the material volumetric: ray tracers compute distances, and rasterizers approximate.
     Json& volume = extension(json, "KHR_materials_volume");
     volume["thicknessFactor"] = 1;
-    if (m.attenuation_distance > 0) {
-        volume["attenuationDistance"] = number_json(m.attenuation_distance);
-        volume["attenuationColor"] = color_factor(m.attenuation_color);
+    if (m.interior.attenuation_distance > 0) {
+        volume["attenuationDistance"] = number_json(m.interior.attenuation_distance);
+        volume["attenuationColor"] = color_factor(m.interior.attenuation_color);
     }
 }
 
@@ -223,7 +227,7 @@ void GlbMaterials::add_transmission(const Material& m, Json& json)
 /// turns into a mix of two grays by an image; only such textures can be written.
 Json GlbMaterials::thickness_info(const Material& m, Json& layer)
 {
-    const FloatInput& input = m.thin_film_thickness;
+    const FloatInput& input = m.thin_film.thickness;
     const Texture* mix = input.texture >= 0 ? &scene_.textures[std::size_t(input.texture)] : nullptr;
     if (mix && mix->kind == TextureKind::mix && mix->color_a.texture < 0 && mix->color_b.texture < 0 &&
         mix->factor.texture >= 0 && mix->factor.value == 1 && mix->factor.channel == green) {
@@ -242,61 +246,64 @@ Json GlbMaterials::thickness_info(const Material& m, Json& layer)
 
 void GlbMaterials::add_layers(const Material& m, Json& json)
 {
-    if (m.specular.value != 1 || m.specular.texture >= 0 || !is_gray(m.specular_color.value, 1) ||
-        m.specular_color.texture >= 0) {
+    if (m.specular.weight.value != 1 || m.specular.weight.texture >= 0 || !is_gray(m.specular.color.value, 1) ||
+        m.specular.color.texture >= 0) {
         Json& specular = extension(json, "KHR_materials_specular");
-        put_factor(specular, "specularFactor", m.specular, 1, "specularTexture", alpha);
-        put_color(specular, "specularColorFactor", m.specular_color, {1, 1, 1}, "specularColorTexture");
+        put_factor(specular, "specularFactor", m.specular.weight, 1, "specularTexture", alpha);
+        put_color(specular, "specularColorFactor", m.specular.color, {1, 1, 1}, "specularColorTexture");
     }
     // A coat with index 1 doesn't reflect and only tints the layers below.
-    if (m.coat.value > 0 && m.coat_ior > 1) {
+    if (m.coat.weight.value > 0 && m.coat.ior > 1) {
         Json& coat = extension(json, "KHR_materials_clearcoat");
-        put_factor(coat, "clearcoatFactor", m.coat, 0, "clearcoatTexture", red);
-        put_factor(coat, "clearcoatRoughnessFactor", m.coat_roughness, 0, "clearcoatRoughnessTexture", green);
-        put_normal(coat, "clearcoatNormalTexture", m.coat_normal_texture, m.coat_normal_scale);
+        put_factor(coat, "clearcoatFactor", m.coat.weight, 0, "clearcoatTexture", red);
+        put_factor(coat, "clearcoatRoughnessFactor", m.coat.roughness, 0, "clearcoatRoughnessTexture", green);
+        put_normal(coat, "clearcoatNormalTexture", m.coat.normal_texture, m.coat.normal_scale);
     }
-    if (m.thin_film.value > 0) {
+    if (m.thin_film.weight.value > 0) {
         Json& film = extension(json, "KHR_materials_iridescence");
-        put_factor(film, "iridescenceFactor", m.thin_film, 0, "iridescenceTexture", red);
-        film["iridescenceIor"] = number_json(m.thin_film_ior);
+        put_factor(film, "iridescenceFactor", m.thin_film.weight, 0, "iridescenceTexture", red);
+        film["iridescenceIor"] = number_json(m.thin_film.ior);
         if (Json info = thickness_info(m, film); !info.is_null()) film["iridescenceThicknessTexture"] = std::move(info);
     }
-    if (m.anisotropy.value > 0) {
+    if (m.microfacets.anisotropy.value > 0) {
         Json& anisotropy = extension(json, "KHR_materials_anisotropy");
-        put_factor(anisotropy, "anisotropyStrength", m.anisotropy, 0, "anisotropyTexture", blue);
-        if (m.anisotropy_rotation != 0) anisotropy["anisotropyRotation"] = number_json(m.anisotropy_rotation);
-        if (m.anisotropy_texture != m.anisotropy.texture)
+        put_factor(anisotropy, "anisotropyStrength", m.microfacets.anisotropy, 0, "anisotropyTexture", blue);
+        if (m.microfacets.anisotropy_rotation != 0)
+            anisotropy["anisotropyRotation"] = number_json(m.microfacets.anisotropy_rotation);
+        if (m.microfacets.anisotropy_texture != m.microfacets.anisotropy.texture)
             report("the direction and strength of anisotropy from different images");
     }
-    if (!is_gray(m.sheen_color.value, 0)) {
+    if (!is_gray(m.sheen.color.value, 0)) {
         Json& sheen = extension(json, "KHR_materials_sheen");
-        put_color(sheen, "sheenColorFactor", m.sheen_color, {0, 0, 0}, "sheenColorTexture");
-        put_factor(sheen, "sheenRoughnessFactor", m.sheen_roughness, 0, "sheenRoughnessTexture", alpha);
+        put_color(sheen, "sheenColorFactor", m.sheen.color, {0, 0, 0}, "sheenColorTexture");
+        put_factor(sheen, "sheenRoughnessFactor", m.sheen.roughness, 0, "sheenRoughnessTexture", alpha);
     }
 }
 
 void GlbMaterials::report_losses(const Material& m)
 {
-    if (m.one_sided) report("a black back: it looks like the front");
+    if (m.visibility.black_back) report("a black back: it looks like the front");
     const auto lost = [&](bool has, const char* what) {
         if (has) report(what);
     };
-    lost(m.displacement.value != 0, "displacement");
+    lost(m.displacement.height.value != 0, "displacement");
     lost(m.bump.texture >= 0 && m.bump.value != 0, "bumps");
-    lost(m.separable && !m.beckmann && m.roughness.value > 0, "separable masking-shadowing");
-    lost(m.priority != 0, "the priority of overlapping solids");
+    lost(m.microfacets.separable_masking && !m.microfacets.beckmann && m.roughness.value > 0,
+         "separable masking-shadowing");
+    lost(m.interior.priority != 0, "the priority of overlapping solids");
     if (m.kind == MaterialKind::diffuse) lost(m.roughness.value > 0, "a diffuse surface's roughness");
     if (m.kind != MaterialKind::principled) return;
-    lost(m.subsurface.value > 0, "subsurface scattering");
-    lost(!is_gray(m.transmission_scatter, 0), "scattering inside a solid");
+    lost(m.subsurface.weight.value > 0, "subsurface scattering");
+    lost(!is_gray(m.interior.scatter, 0), "scattering inside a solid");
     lost(m.diffuse_roughness.value > 0, "a diffuse surface's roughness");
-    lost(m.metallic.value > 0 && (!is_gray(m.edge_color.value, 1) || m.edge_color.texture >= 0),
+    lost(m.metallic.value > 0 && (!is_gray(m.conductor.edge_color.value, 1) || m.conductor.edge_color.texture >= 0),
          "a metal's edge color");
-    lost(m.coat.value > 0 && (!is_gray(m.coat_color.value, 1) || m.coat_color.texture >= 0), "a coat's color");
-    lost(m.coat.value > 0 && m.coat_ior > 1 && m.coat_ior != 1.5f, "a coat's index of refraction");
-    const bool is_partly_clear = m.transmission.value > 0 && (m.metallic.value > 0 || m.transmission.value < 1);
+    lost(m.coat.weight.value > 0 && (!is_gray(m.coat.color.value, 1) || m.coat.color.texture >= 0), "a coat's color");
+    lost(m.coat.weight.value > 0 && m.coat.ior > 1 && m.coat.ior != 1.5f, "a coat's index of refraction");
+    const bool is_partly_clear =
+        m.transmission.weight.value > 0 && (m.metallic.value > 0 || m.transmission.weight.value < 1);
     lost(is_partly_clear &&
-             (m.transmission_color.value != m.base_color.value || m.transmission_color.texture != m.base_color.texture),
+             (m.transmission.color.value != m.base_color.value || m.transmission.color.texture != m.base_color.texture),
          "different colors for reflection and transmission");
 }
 
@@ -306,17 +313,17 @@ namespace {
 /// tangent is kept then.
 bool anisotropy_from_roughnesses(Material& m)
 {
-    const FloatInput along = m.anisotropy;
+    const FloatInput along = m.microfacets.anisotropy;
     const bool is_plain = along.texture < 0 && m.roughness.texture < 0;
-    m.two_roughnesses = false;
-    m.anisotropy = {0, -1, 2};
+    m.microfacets.two_roughnesses = false;
+    m.microfacets.anisotropy = {0, -1, 2};
     if (!is_plain) return false;
     const double u = double(along.value) * double(along.value),
                  v = double(m.roughness.value) * double(m.roughness.value);
     const double narrow = std::min(u, v), wide = std::max(u, v);
     m.roughness.value = float(std::sqrt(narrow));
-    if (wide > narrow) m.anisotropy.value = float(std::sqrt((wide - narrow) / (1 - narrow)));
-    if (v > u) m.anisotropy_rotation += std::numbers::pi / 2;
+    if (wide > narrow) m.microfacets.anisotropy.value = float(std::sqrt((wide - narrow) / (1 - narrow)));
+    if (v > u) m.microfacets.anisotropy_rotation += std::numbers::pi / 2;
     return true;
 }
 
@@ -324,21 +331,21 @@ bool anisotropy_from_roughnesses(Material& m)
 Material principled_from_disney(Material m)
 {
     m.kind = MaterialKind::principled;
-    m.transmission_color = m.base_color;
-    m.diffuse_transmission_color = m.base_color;
-    if (m.anisotropy.value > 0) {
+    m.transmission.color = m.base_color;
+    m.diffuse_transmission.color = m.base_color;
+    if (m.microfacets.anisotropy.value > 0) {
         // Disney's aspect: alpha is roughness^2 divided and multiplied by sqrt(1 - 0.9 anisotropy).
-        const double aspect = std::sqrt(1 - 0.9 * double(m.anisotropy.value));
+        const double aspect = std::sqrt(1 - 0.9 * double(m.microfacets.anisotropy.value));
         const double square = double(m.roughness.value) * double(m.roughness.value);
-        m.anisotropy.value = float(std::sqrt(std::min(1.0, square / aspect)));
+        m.microfacets.anisotropy.value = float(std::sqrt(std::min(1.0, square / aspect)));
         m.roughness.value = float(std::sqrt(square * aspect));
-        m.two_roughnesses = true;
+        m.microfacets.two_roughnesses = true;
     }
     // Disney's clearcoat: a quarter of a boundary of index 1.5, with alpha from 0.1 to 0.001.
-    m.coat.value *= 0.25f;
-    m.coat_roughness = {std::sqrt(0.1f + m.coat_gloss.value * (0.001f - 0.1f)), -1, green};
-    const float sheen = m.sheen.value;
-    m.sheen_color = {{sheen, sheen, sheen}, m.sheen.texture};
+    m.coat.weight.value *= 0.25f;
+    m.coat.roughness = {std::sqrt(0.1f + m.disney.coat_gloss.value * (0.001f - 0.1f)), -1, green};
+    const float sheen = m.disney.sheen.value;
+    m.sheen.color = {{sheen, sheen, sheen}, m.disney.sheen.texture};
     return m;
 }
 
@@ -356,7 +363,7 @@ Material GlbMaterials::approximated(Material m)
         report("the sum of the Disney material's lobes: they are written as layers");
         m = principled_from_disney(m);
     }
-    if (m.two_roughnesses && !anisotropy_from_roughnesses(m))
+    if (m.microfacets.two_roughnesses && !anisotropy_from_roughnesses(m))
         report("textures of two roughnesses: the one along the tangent is ignored");
     return m;
 }
@@ -371,21 +378,23 @@ void GlbMaterials::put_normal(Json& json, const char* key, int texture, float sc
 
 void GlbMaterials::put_emission(const Material& m, Json& json)
 {
-    const Color e = m.emission.value;
+    const Color e = m.emission.radiance.value;
     const float strength = std::max({e.r, e.g, e.b, 1.f});
-    put_color(json, "emissiveFactor", {{e.r / strength, e.g / strength, e.b / strength}, m.emission.texture}, {0, 0, 0},
-              "emissiveTexture");
+    put_color(json, "emissiveFactor", {{e.r / strength, e.g / strength, e.b / strength}, m.emission.radiance.texture},
+              {0, 0, 0}, "emissiveTexture");
     if (strength > 1) extension(json, "KHR_materials_emissive_strength")["emissiveStrength"] = number_json(strength);
     // glTF has one flag for both; emission takes precedence over the visibility of the back.
-    if (m.emission_two_sided == m.single_sided)
-        report(m.single_sided ? "two-sided emission of a single-sided surface: the surface becomes double-sided"
-                              : "one-sided emission of a double-sided surface: the surface becomes single-sided");
+    if (m.emission.two_sided == m.visibility.camera_backface_culling)
+        report(m.visibility.camera_backface_culling
+                   ? "two-sided emission of a single-sided surface: the surface becomes double-sided"
+                   : "one-sided emission of a double-sided surface: the surface becomes single-sided");
 }
 
 void GlbMaterials::put_alpha_mode(const Material& m, Json& json)
 {
-    if (m.alpha_mode != AlphaMode::opaque) json["alphaMode"] = m.alpha_mode == AlphaMode::mask ? "MASK" : "BLEND";
-    if (m.alpha_mode == AlphaMode::mask && m.alpha_cutoff != 0.5f) json["alphaCutoff"] = number_json(m.alpha_cutoff);
+    if (m.opacity.mode != AlphaMode::opaque) json["alphaMode"] = m.opacity.mode == AlphaMode::mask ? "MASK" : "BLEND";
+    if (m.opacity.mode == AlphaMode::mask && m.opacity.cutoff != 0.5f)
+        json["alphaCutoff"] = number_json(m.opacity.cutoff);
 }
 
 Json GlbMaterials::material_json(const Material& given)
@@ -397,11 +406,12 @@ Json GlbMaterials::material_json(const Material& given)
     put_base_color(m, base);
     put_metallic_roughness(m, base);
     if (!base.empty()) json["pbrMetallicRoughness"] = std::move(base);
-    put_normal(json, "normalTexture", m.normal_texture, m.normal_scale);
-    const bool emits = std::max({m.emission.value.r, m.emission.value.g, m.emission.value.b}) > 0;
+    put_normal(json, "normalTexture", m.normal_map.texture, m.normal_map.scale);
+    const bool emits =
+        std::max({m.emission.radiance.value.r, m.emission.radiance.value.g, m.emission.radiance.value.b}) > 0;
     if (emits) put_emission(m, json);
     put_alpha_mode(m, json);
-    if (emits ? m.emission_two_sided : !m.single_sided) json["doubleSided"] = true;
+    if (emits ? m.emission.two_sided : !m.visibility.camera_backface_culling) json["doubleSided"] = true;
 
     if (m.kind == MaterialKind::unlit) extension(json, "KHR_materials_unlit");
     // These kinds have no specular boundary.

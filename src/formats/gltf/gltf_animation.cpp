@@ -19,31 +19,31 @@ namespace {
 struct Pointer {
     const char* pattern;
     const char* list;  ///< list of targets in the file; null: that of KHR_lights_punctual
-    AnimatedValue value;
+    AnimatedProperty value;
     const char* factor = nullptr;  ///< member of the same object that multiplies the value
     bool is_factor_colour = false;
 };
 constexpr Pointer pointers[] = {
-    {"/nodes/*/translation", "nodes", AnimatedValue::translation},
-    {"/nodes/*/rotation", "nodes", AnimatedValue::rotation},
-    {"/nodes/*/scale", "nodes", AnimatedValue::scale},
-    {"/nodes/*/weights", "nodes", AnimatedValue::weights},
-    {"/nodes/*/extensions/KHR_node_visibility/visible", "nodes", AnimatedValue::visible},
-    {"/materials/*/pbrMetallicRoughness/baseColorFactor", "materials", AnimatedValue::base_color},
-    {"/materials/*/pbrMetallicRoughness/metallicFactor", "materials", AnimatedValue::metallic},
-    {"/materials/*/pbrMetallicRoughness/roughnessFactor", "materials", AnimatedValue::roughness},
-    {"/materials/*/emissiveFactor", "materials", AnimatedValue::emission,
+    {"/nodes/*/translation", "nodes", AnimatedProperty::translation},
+    {"/nodes/*/rotation", "nodes", AnimatedProperty::rotation},
+    {"/nodes/*/scale", "nodes", AnimatedProperty::scale},
+    {"/nodes/*/weights", "nodes", AnimatedProperty::weights},
+    {"/nodes/*/extensions/KHR_node_visibility/visible", "nodes", AnimatedProperty::visible},
+    {"/materials/*/pbrMetallicRoughness/baseColorFactor", "materials", AnimatedProperty::base_color},
+    {"/materials/*/pbrMetallicRoughness/metallicFactor", "materials", AnimatedProperty::metallic},
+    {"/materials/*/pbrMetallicRoughness/roughnessFactor", "materials", AnimatedProperty::roughness},
+    {"/materials/*/emissiveFactor", "materials", AnimatedProperty::emission,
      "/extensions/KHR_materials_emissive_strength/emissiveStrength"},
-    {"/materials/*/extensions/KHR_materials_emissive_strength/emissiveStrength", "materials", AnimatedValue::emission,
-     "/emissiveFactor", true},
-    {"/materials/*/alphaCutoff", "materials", AnimatedValue::alpha_cutoff},
-    {"/materials/*/normalTexture/scale", "materials", AnimatedValue::normal_scale},
-    {"/extensions/KHR_lights_punctual/lights/*/color", nullptr, AnimatedValue::intensity, "/intensity"},
-    {"/extensions/KHR_lights_punctual/lights/*/intensity", nullptr, AnimatedValue::intensity, "/color", true},
-    {"/extensions/KHR_lights_punctual/lights/*/spot/innerConeAngle", nullptr, AnimatedValue::inner_angle},
-    {"/extensions/KHR_lights_punctual/lights/*/spot/outerConeAngle", nullptr, AnimatedValue::outer_angle},
-    {"/cameras/*/perspective/yfov", "cameras", AnimatedValue::fov_y},
-    {"/cameras/*/orthographic/ymag", "cameras", AnimatedValue::height}};
+    {"/materials/*/extensions/KHR_materials_emissive_strength/emissiveStrength", "materials",
+     AnimatedProperty::emission, "/emissiveFactor", true},
+    {"/materials/*/alphaCutoff", "materials", AnimatedProperty::alpha_cutoff},
+    {"/materials/*/normalTexture/scale", "materials", AnimatedProperty::normal_scale},
+    {"/extensions/KHR_lights_punctual/lights/*/color", nullptr, AnimatedProperty::intensity, "/intensity"},
+    {"/extensions/KHR_lights_punctual/lights/*/intensity", nullptr, AnimatedProperty::intensity, "/color", true},
+    {"/extensions/KHR_lights_punctual/lights/*/spot/innerConeAngle", nullptr, AnimatedProperty::inner_angle},
+    {"/extensions/KHR_lights_punctual/lights/*/spot/outerConeAngle", nullptr, AnimatedProperty::outer_angle},
+    {"/cameras/*/perspective/yfov", "cameras", AnimatedProperty::fov_y},
+    {"/cameras/*/orthographic/ymag", "cameras", AnimatedProperty::height}};
 
 /// The index in place of `*`, if the text matches the pattern.
 std::optional<int> match(std::string_view pattern, std::string_view text)
@@ -113,13 +113,13 @@ AnimationChannel GltfReader::channel_of_path(const JsonValue& target, const std:
 {
     AnimationChannel channel;
     if (path == "translation")
-        channel.value = AnimatedValue::translation;
+        channel.value = AnimatedProperty::translation;
     else if (path == "rotation")
-        channel.value = AnimatedValue::rotation;
+        channel.value = AnimatedProperty::rotation;
     else if (path == "scale")
-        channel.value = AnimatedValue::scale;
+        channel.value = AnimatedProperty::scale;
     else if (path == "weights")
-        channel.value = AnimatedValue::weights;
+        channel.value = AnimatedProperty::weights;
     else
         target["path"].fail(
             fmt::format("'{}' is not one of translation, rotation, scale, weights, pointer", printable(path)));
@@ -242,8 +242,8 @@ void GltfReader::read_animations()
         const auto name = v.get("name");
         animation.name = name && name->is_string() ? printable(name->string()) : std::to_string(i);
         for (const AnimationChannel& channel : animation.channels) {
-            if (channel.value == AnimatedValue::weights) is_morphed_[std::size_t(channel.target)] = true;
-            if (channel.value == AnimatedValue::visible) may_hide_[std::size_t(channel.target)] = true;
+            if (channel.value == AnimatedProperty::weights) is_morphed_[std::size_t(channel.target)] = true;
+            if (channel.value == AnimatedProperty::visible) may_hide_[std::size_t(channel.target)] = true;
         }
         rig_.animations.push_back(std::move(animation));
     }
@@ -267,7 +267,7 @@ void GltfReader::find_targets()
                         add(channel, m->second);
             } else if (is_of_light(channel.value)) {
                 if (const auto l = lights_.find(file_index); l != lights_.end()) add(channel, l->second);
-            } else if (channel.value == AnimatedValue::fov_y || channel.value == AnimatedValue::height) {
+            } else if (channel.value == AnimatedProperty::fov_y || channel.value == AnimatedProperty::height) {
                 const auto c = cameras_.find(file_index);
                 for (std::size_t i = 0; c != cameras_.end() && i < rig_.nodes.size(); ++i)
                     if (scene_.nodes[i].camera == c->second) add(channel, int(i));
@@ -307,7 +307,7 @@ void GltfReader::hide_nodes()
         rig_.hiding.push_back({node, owner, scene_.nodes[std::size_t(node)]});
     std::vector<bool> visible;
     visible.reserve(rig_.nodes.size());
-    for (const NodeRest& node : rig_.nodes) visible.push_back(node.visible);
+    for (const NodeRestPose& node : rig_.nodes) visible.push_back(node.visible);
     for (const auto& [node, contents] : visible_contents(rig_, visible))
         set_contents(scene_.nodes[std::size_t(node)], contents);
 }

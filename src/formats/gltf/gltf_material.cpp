@@ -14,11 +14,11 @@ void GltfReader::read_metallic_roughness(const JsonValue& v, Material& m)
     if (const auto factor = v.get("baseColorFactor")) {
         factor->array_of(4);
         m.base_color.value = clamped(*factor);
-        m.alpha.value = std::clamp((*factor)[3].single(), 0.0f, 1.0f);
+        m.opacity.alpha.value = std::clamp((*factor)[3].single(), 0.0f, 1.0f);
     }
     if (const auto info = v.get("baseColorTexture")) {
         m.base_color.texture = texture(*info, ColorSpace::srgb);
-        m.alpha.texture = m.base_color.texture;
+        m.opacity.alpha.texture = m.base_color.texture;
     }
     m.metallic.value = factor_or(v, "metallicFactor", 1);
     m.roughness.value = factor_or(v, "roughnessFactor", 1);
@@ -30,7 +30,7 @@ Material GltfReader::read_material(const JsonValue& v)
 {
     Material m;
     m.kind = MaterialKind::principled;
-    m.sheen_reciprocal = true;
+    m.sheen.reciprocal = true;
     if (const auto name = v.get("name")) m.name = printable(name->string());
     m.base_color = {{1, 1, 1}, -1};
     m.metallic = {1, -1, 2};
@@ -38,28 +38,28 @@ Material GltfReader::read_material(const JsonValue& v)
     if (const auto pbr = v.get("pbrMetallicRoughness")) read_metallic_roughness(*pbr, m);
 
     if (const auto info = v.get("normalTexture")) {
-        m.normal_texture = texture(*info, ColorSpace::linear);
-        m.normal_scale = float_or(*info, "scale", 1);
+        m.normal_map.texture = texture(*info, ColorSpace::linear);
+        m.normal_map.scale = float_or(*info, "scale", 1);
     }
     if (const auto factor = v.get("emissiveFactor")) {
         factor->array_of(3);
-        m.emission.value = clamped(*factor);
+        m.emission.radiance.value = clamped(*factor);
     }
-    if (const auto info = v.get("emissiveTexture")) m.emission.texture = texture(*info, ColorSpace::srgb);
+    if (const auto info = v.get("emissiveTexture")) m.emission.radiance.texture = texture(*info, ColorSpace::srgb);
     // A single-sided surface is invisible from behind and emits only to the front.
-    if (const auto two_sided = v.get("doubleSided")) m.emission_two_sided = two_sided->boolean();
-    m.single_sided = !m.emission_two_sided;
+    if (const auto two_sided = v.get("doubleSided")) m.emission.two_sided = two_sided->boolean();
+    m.visibility.camera_backface_culling = !m.emission.two_sided;
 
     if (const auto mode = v.get("alphaMode")) {
         const std::string& word = mode->string();
         if (word == "MASK")
-            m.alpha_mode = AlphaMode::mask;
+            m.opacity.mode = AlphaMode::mask;
         else if (word == "BLEND")
-            m.alpha_mode = AlphaMode::blend;
+            m.opacity.mode = AlphaMode::blend;
         else if (word != "OPAQUE")
             mode->fail(fmt::format("'{}' is not one of OPAQUE, MASK, BLEND", printable(word)));
     }
-    m.alpha_cutoff = float_or(v, "alphaCutoff", 0.5f);
+    m.opacity.cutoff = float_or(v, "alphaCutoff", 0.5f);
 
     if (const auto extensions = v.get("extensions")) {
         if (const auto gloss = extensions->get("KHR_materials_pbrSpecularGlossiness");
@@ -67,14 +67,15 @@ Material GltfReader::read_material(const JsonValue& v)
             read_specular_glossiness(*gloss, m);
         if (const auto strength = extensions->get("KHR_materials_emissive_strength")) {
             const float s = std::max(0.0f, float_or(*strength, "emissiveStrength", 1));
-            m.emission.value = {m.emission.value.r * s, m.emission.value.g * s, m.emission.value.b * s};
+            m.emission.radiance.value = {m.emission.radiance.value.r * s, m.emission.radiance.value.g * s,
+                                         m.emission.radiance.value.b * s};
         }
         if (extensions->has("KHR_materials_unlit"))
             m.kind = MaterialKind::unlit;
         else
             read_layers(*extensions, m);
     }
-    if (m.alpha_mode == AlphaMode::opaque) m.alpha = {1, -1, 3};
+    if (m.opacity.mode == AlphaMode::opaque) m.opacity.alpha = {1, -1, 3};
     return m;
 }
 

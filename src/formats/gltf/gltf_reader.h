@@ -16,7 +16,7 @@ namespace fathom {
 class GltfReader {
 public:
     /// offered  receives the scenes, variants and animations of the file
-    GltfReader(GltfFile& file, const LoadOptions& options, SceneFile& offered)
+    GltfReader(GltfFile& file, const LoadOptions& options, SceneFileContents& offered)
         : file_(file), options_(options), offered_(offered)
     {
     }
@@ -116,7 +116,7 @@ private:
 
     GltfFile& file_;
     const LoadOptions& options_;
-    SceneFile& offered_;
+    SceneFileContents& offered_;
     SceneDescription scene_;
     std::optional<std::size_t> variant_;  ///< material variant (KHR_materials_variants)
 

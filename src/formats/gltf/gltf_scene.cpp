@@ -37,9 +37,9 @@ Transform read_transform(const JsonValue& v)
 }
 
 /// A node's rest pose, for animations that animate only some of its properties.
-NodeRest read_rest(const JsonValue& v)
+NodeRestPose read_rest(const JsonValue& v)
 {
-    NodeRest rest;
+    NodeRestPose rest;
     if (const auto translation = v.get("translation")) rest.translation = translation->vec3d();
     if (const auto rotation = v.get("rotation"))
         for (std::size_t i = 0; i < 4; ++i) rest.rotation[i] = rotation->array_of(4)[i].number();
@@ -368,7 +368,7 @@ SceneDescription read_gltf(const std::filesystem::path& file, const std::string&
                            LoadContext& context)
 {
     GltfFile gltf(file, bytes, context);
-    SceneFile offered;
+    SceneFileContents offered;
     SceneDescription scene = GltfReader(gltf, options, offered).read();
     const bool is_model_of_scene = context.open_files.size() > 1;
     if (!is_model_of_scene)

@@ -31,9 +31,9 @@ Transform between(Vec3d a, Vec3d b, double radius)
 
 bool has_normal_map(const SceneDescription& scene, const Material& m)
 {
-    if (m.kind != MaterialKind::mix && m.kind != MaterialKind::two_sided) return m.normal_texture >= 0;
-    return has_normal_map(scene, scene.materials[std::size_t(m.material_a)]) ||
-           has_normal_map(scene, scene.materials[std::size_t(m.material_b)]);
+    if (m.kind != MaterialKind::mix && m.kind != MaterialKind::two_sided) return m.normal_map.texture >= 0;
+    return has_normal_map(scene, scene.materials[std::size_t(m.mixture.material_a)]) ||
+           has_normal_map(scene, scene.materials[std::size_t(m.mixture.material_b)]);
 }
 
 /// Adds tangents along increasing u, with the bitangent cross(normal, tangent) even where uv is mirrored: Mitsuba's

@@ -12,7 +12,7 @@ namespace fathom::mitsuba {
 template <class Bend>
 Material Reader::bend_parts(Material mixture, const Bend& bend)
 {
-    for (int* part : {&mixture.material_a, &mixture.material_b})
+    for (int* part : {&mixture.mixture.material_a, &mixture.mixture.material_b})
         *part = add_material(bend(scene_.materials[std::size_t(*part)]));
     return mixture;
 }
@@ -29,7 +29,7 @@ Material Reader::normal_mapped(Material m, int map)
 {
     if (m.kind == MaterialKind::mix || m.kind == MaterialKind::two_sided)
         return bend_parts(std::move(m), [&](const Material& part) { return normal_mapped(part, map); });
-    m.normal_texture = map;
+    m.normal_map.texture = map;
     m.map_tangents = false;
     return m;
 }
@@ -37,9 +37,9 @@ Material Reader::normal_mapped(Material m, int map)
 bool Reader::has_normal_perturbation(const Material& m) const
 {
     if (m.kind != MaterialKind::mix && m.kind != MaterialKind::two_sided)
-        return m.normal_texture >= 0 || m.bump.texture >= 0;
-    return has_normal_perturbation(scene_.materials[std::size_t(m.material_a)]) ||
-           has_normal_perturbation(scene_.materials[std::size_t(m.material_b)]);
+        return m.normal_map.texture >= 0 || m.bump.texture >= 0;
+    return has_normal_perturbation(scene_.materials[std::size_t(m.mixture.material_a)]) ||
+           has_normal_perturbation(scene_.materials[std::size_t(m.mixture.material_b)]);
 }
 
 /// Adapts a bump or normal map to the back of a 'twosided' surface. Mitsuba mirrors directions at the surface, and with
@@ -48,7 +48,7 @@ Material Reader::bumps_for_back_side(Material m)
 {
     if (m.kind == MaterialKind::mix || m.kind == MaterialKind::two_sided)
         return bend_parts(std::move(m), [&](const Material& part) { return bumps_for_back_side(part); });
-    m.normal_scale = -m.normal_scale;
+    m.normal_map.scale = -m.normal_map.scale;
     m.bump.value = -m.bump.value;
     return m;
 }

@@ -136,7 +136,7 @@ void Reader::read_emitter(const Element& element)
 }
 
 /// The image of a bitmap; nothing for another texture, which is reported.
-std::optional<LightPicture> Reader::light_picture(const Element& texture)
+std::optional<LightImage> Reader::light_picture(const Element& texture)
 {
     Object object(texture, document_);
     if (texture.tag != "texture" || object.type() != "bitmap") {
@@ -147,7 +147,7 @@ std::optional<LightPicture> Reader::light_picture(const Element& texture)
     const bool is_moved =
         read.uv_scale.x != 1 || read.uv_scale.y != 1 || read.uv_offset.x != 0 || read.uv_offset.y != 0;
     if (is_moved || read.uv_rotation != 0) report(texture, "'to_uv' of a light's image is ignored");
-    return LightPicture{read.image, read.color_space, read.nearest};
+    return LightImage{read.image, read.color_space, read.nearest};
 }
 
 /// Mitsuba's `irradiance` is the irradiance at distance 1 divided by pi, as it follows from the importance of its

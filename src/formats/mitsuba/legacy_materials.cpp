@@ -36,14 +36,15 @@ Material Reader::phong(Object& bsdf)
     const ColorInput diffuse = color(bsdf, "diffuse_reflectance", {0.5f, 0.5f, 0.5f}),
                      specular = color(bsdf, "specular_reflectance", {0.2f, 0.2f, 0.2f});
     Material body, gloss = mirror();
-    body.one_sided = gloss.one_sided = !two_sided_;
+    body.visibility.black_back = gloss.visibility.black_back = !two_sided_;
     if (bsdf.type() == "phong") {
         FloatInput exponent = number_or_texture(bsdf, "exponent", 30);
         if (exponent.texture >= 0) {
             report(bsdf.element(), "a texture as 'exponent' is not supported: 30 is used");
             exponent = {30, -1, 0};
         }
-        gloss.beckmann = true, gloss.energy_compensation = false, gloss.separable = true;
+        gloss.microfacets.beckmann = true, gloss.microfacets.energy_compensation = false,
+        gloss.microfacets.separable_masking = true;
         const double alpha = std::sqrt(2 / (4 * std::max(0.0, double(exponent.value)) + 2));
         gloss.roughness = {float(std::sqrt(alpha)), -1, 0};
     } else {
@@ -64,8 +65,8 @@ Material Reader::phong(Object& bsdf)
     report(bsdf.element(), "is approximated by a mix of a diffuse material and rough metal");
     Material both;
     both.kind = MaterialKind::mix;
-    both.factor = {share, -1, 0};
-    both.material_a = add_material(std::move(body)), both.material_b = add_material(std::move(gloss));
+    both.mixture.factor = {share, -1, 0};
+    both.mixture.material_a = add_material(std::move(body)), both.mixture.material_b = add_material(std::move(gloss));
     return both;
 }
 
@@ -85,11 +86,11 @@ Material Reader::diffuse_transmitter(Object& bsdf)
     Material m;
     m.kind = MaterialKind::principled;
     m.metallic = {0, -1, 0};
-    m.specular = {0, -1, 0};
+    m.specular.weight = {0, -1, 0};
     m.roughness = {1, -1, 0};
     m.base_color = {{1, 1, 1}, -1};
-    m.diffuse_transmission = {1, -1, 0};
-    m.diffuse_transmission_color = color(bsdf, "transmittance", {0.5f, 0.5f, 0.5f});
+    m.diffuse_transmission.weight = {1, -1, 0};
+    m.diffuse_transmission.color = color(bsdf, "transmittance", {0.5f, 0.5f, 0.5f});
     return m;
 }
 
@@ -107,8 +108,8 @@ Material Reader::mixture(Object& bsdf)
         if (!(weights[i] >= 0)) bsdf.element().fail("the 'weights' of bsdfs must be at least 0");
         Material both;
         both.kind = MaterialKind::mix;
-        both.material_a = material(*nested[i]), both.material_b = rest;
-        both.factor = {total + weights[i] > 0 ? float(total / (total + weights[i])) : 0.f, -1, 0};
+        both.mixture.material_a = material(*nested[i]), both.mixture.material_b = rest;
+        both.mixture.factor = {total + weights[i] > 0 ? float(total / (total + weights[i])) : 0.f, -1, 0};
         total += weights[i];
         if (i == 0) return both;
         rest = add_material(std::move(both));

@@ -56,7 +56,7 @@ bool reflects_only(const Material& m)
             return true;
         case MaterialKind::disney:
         case MaterialKind::principled:
-            return m.transmission.value == 0 && m.diffuse_transmission.value == 0;
+            return m.transmission.weight.value == 0 && m.diffuse_transmission.weight.value == 0;
         default:
             return false;
     }
@@ -114,8 +114,8 @@ Material Reader::read_bsdf(const Element& element)
     Material result;
     if (type == "null") {
         result.kind = MaterialKind::none;
-        result.alpha_mode = AlphaMode::blend;
-        result.alpha.value = 0;
+        result.opacity.mode = AlphaMode::blend;
+        result.opacity.alpha.value = 0;
     } else if (const auto found = readers.find(type); found != readers.end()) {
         result = (this->*found->second)(bsdf);
     } else if (!bsdf.children("bsdf").empty()) {
@@ -126,7 +126,7 @@ Material Reader::read_bsdf(const Element& element)
         result.base_color = {{0.5f, 0.5f, 0.5f}, -1};
         return result;
     }
-    if (!two_sided_ && bsdf.children("bsdf").empty()) result.one_sided = reflects_only(result);
+    if (!two_sided_ && bsdf.children("bsdf").empty()) result.visibility.black_back = reflects_only(result);
     bsdf.ignore({"sample_visible", "specular_sampling_weight", "diffuse_reflectance_sampling_rate",
                  "main_specular_sampling_rate", "clearcoat_sampling_rate", "diff_trans_sampling_rate",
                  "specular_reflectance_sampling_rate"});
@@ -143,18 +143,18 @@ Material Reader::diffuse(Object& bsdf)
 
 void Reader::read_roughness(Object& bsdf, Material& m)
 {
-    m.beckmann = bsdf.text("distribution", "beckmann") == "beckmann";
+    m.microfacets.beckmann = bsdf.text("distribution", "beckmann") == "beckmann";
     // Fathom's roughness is sqrt(alpha).
     const auto alpha = [&](std::string_view name, float otherwise) {
         return raise_to_power(scene_, number_or_texture(bsdf, name, otherwise), 0.5);
     };
-    m.energy_compensation = false;
-    m.separable = true;
+    m.microfacets.energy_compensation = false;
+    m.microfacets.separable_masking = true;
     if (bsdf.has("alpha_u") || bsdf.has("alpha_v")) {
         const FloatInput u = alpha("alpha_u", 0.1f), v = alpha("alpha_v", 0.1f);
         if (u.texture >= 0 || v.texture >= 0) {
-            m.two_roughnesses = true;
-            m.anisotropy = u, m.roughness = v;
+            m.microfacets.two_roughnesses = true;
+            m.microfacets.anisotropy = u, m.roughness = v;
             return;
         }
         const FloatInput& narrow = u.value < v.value ? u : v;
@@ -162,8 +162,8 @@ void Reader::read_roughness(Object& bsdf, Material& m)
         const float narrow_alpha = narrow.value * narrow.value, wide_alpha = wide.value * wide.value;
         m.roughness = narrow;
         if (wide_alpha > narrow_alpha)
-            m.anisotropy = {square_root((wide_alpha - narrow_alpha) / (1 - narrow_alpha)), -1, 0};
-        if (u.value < v.value) m.anisotropy_rotation = 1.5707963267948966;
+            m.microfacets.anisotropy = {square_root((wide_alpha - narrow_alpha) / (1 - narrow_alpha)), -1, 0};
+        if (u.value < v.value) m.microfacets.anisotropy_rotation = 1.5707963267948966;
         return;
     }
     m.roughness = alpha("alpha", 0.1f);
@@ -174,19 +174,19 @@ Material Reader::mirror()
     Material m;
     m.kind = MaterialKind::principled;
     m.metallic = {1, -1, 0};
-    m.energy_compensation = false;
+    m.microfacets.energy_compensation = false;
     m.roughness = {0, -1, 0};
-    m.base_color = m.edge_color = {{1, 1, 1}, -1};
+    m.base_color = m.conductor.edge_color = {{1, 1, 1}, -1};
     return m;
 }
 
 void Reader::tint(Material& mirror, const ColorInput& color)
 {
     // A coat of index 1 doesn't reflect and only tints the layers below.
-    mirror.coat = {1, -1, 0};
-    mirror.coat_ior = 1;
-    mirror.coat_darkening = 0;
-    mirror.coat_color = color;
+    mirror.coat.weight = {1, -1, 0};
+    mirror.coat.ior = 1;
+    mirror.coat.darkening = 0;
+    mirror.coat.color = color;
 }
 
 Material Reader::conductor(Object& bsdf)
@@ -195,7 +195,7 @@ Material Reader::conductor(Object& bsdf)
     ConductorColors colors{{1, 1, 1}, {1, 1, 1}};
     const auto take = [&](const Conductor& conductor) {
         colors = colors_of(conductor);
-        m.conductor_eta = conductor.eta, m.conductor_k = conductor.k;
+        m.conductor.eta = conductor.eta, m.conductor.k = conductor.k;
     };
     const std::string name = bsdf.text("material", "none");
     if (bsdf.has("eta") || bsdf.has("k")) {
@@ -209,7 +209,7 @@ Material Reader::conductor(Object& bsdf)
         else
             report(bsdf.element(), fmt::format("the metal '{}' is unknown: a perfect mirror is used", printable(name)));
     }
-    m.base_color = {colors.base, -1}, m.edge_color = {colors.edge, -1};
+    m.base_color = {colors.base, -1}, m.conductor.edge_color = {colors.edge, -1};
     if (bsdf.has("specular_reflectance")) tint(m, color(bsdf, "specular_reflectance", {1, 1, 1}));
     if (bsdf.type() == "roughconductor") read_roughness(bsdf, m);
     return m;
@@ -243,18 +243,18 @@ Material Reader::dielectric(Object& bsdf)
     m.ior = float(relative_ior(bsdf, bk7, air));
     m.roughness = {0, -1, 0};
     m.base_color = {{1, 1, 1}, -1};
-    m.energy_compensation = false;
+    m.microfacets.energy_compensation = false;
     if (bsdf.type() == "roughdielectric") {
         read_roughness(bsdf, m);
-        if (m.two_roughnesses || m.anisotropy.value > 0)
+        if (m.microfacets.two_roughnesses || m.microfacets.anisotropy.value > 0)
             report(
                 bsdf.element(),
                 "anisotropic roughness of glass is not supported: the roughness along v, or the smaller one, is used");
-        m.two_roughnesses = false, m.anisotropy = {0, -1, 0};
+        m.microfacets.two_roughnesses = false, m.microfacets.anisotropy = {0, -1, 0};
     }
     // Mitsuba applies the transmittance at each crossing of the boundary, Fathom's color to the pair of entry and exit.
-    m.transmission_color = squared(color(bsdf, "specular_transmittance", {1, 1, 1}));
-    m.specular_color = color(bsdf, "specular_reflectance", {1, 1, 1});
+    m.transmission.color = squared(color(bsdf, "specular_transmittance", {1, 1, 1}));
+    m.specular.color = color(bsdf, "specular_reflectance", {1, 1, 1});
     return m;
 }
 
@@ -270,8 +270,8 @@ ColorInput Reader::squared(const ColorInput& color)
 Material Reader::thin_dielectric(Object& bsdf)
 {
     Material m = dielectric(bsdf);
-    m.thin = true;
-    m.transmission_color = color(bsdf, "specular_transmittance", {1, 1, 1});
+    m.interior.thin = true;
+    m.transmission.color = color(bsdf, "specular_transmittance", {1, 1, 1});
     return m;
 }
 
@@ -281,17 +281,18 @@ Material Reader::plastic(Object& bsdf)
     m.kind = MaterialKind::plastic;
     m.base_color = color(bsdf, "diffuse_reflectance", {0.5f, 0.5f, 0.5f});
     m.ior = float(relative_ior(bsdf, polypropylene, air));
-    m.nonlinear = bsdf.boolean("nonlinear", false);
+    m.plastic.nonlinear = bsdf.boolean("nonlinear", false);
     m.roughness = {0, -1, 0};
     if (bsdf.type() == "roughplastic") {
         read_roughness(bsdf, m);
         if (m.roughness.texture < 0) {
             const double alpha = std::max(1e-4, double(m.roughness.value) * double(m.roughness.value));
-            m.inner_reflectance = float(std::min(0.9999, inner_reflectance(alpha, m.beckmann, double(m.ior))));
+            m.plastic.inner_reflectance =
+                float(std::min(0.9999, inner_reflectance(alpha, m.microfacets.beckmann, double(m.ior))));
         }
     }
-    m.two_roughnesses = false, m.anisotropy = {0, -1, 0};
-    m.specular_color = color(bsdf, "specular_reflectance", {1, 1, 1});
+    m.microfacets.two_roughnesses = false, m.microfacets.anisotropy = {0, -1, 0};
+    m.specular.color = color(bsdf, "specular_reflectance", {1, 1, 1});
     return m;
 }
 
@@ -299,20 +300,21 @@ Material Reader::hair(Object& bsdf)
 {
     Material m;
     m.kind = MaterialKind::hair;
-    m.beta_m = {float(bsdf.number("longitudinal_roughness", 0.3)), -1, 1};
-    m.beta_n = {float(bsdf.number("azimuthal_roughness", 0.3)), -1, 1};
-    m.scale_tilt = bsdf.number("scale_tilt", 2) * (std::numbers::pi / 180);
-    m.hair_ior = float(std::clamp(relative_ior(bsdf, amber, air), 1.0, 3.0));
+    m.hair.beta_m = {float(bsdf.number("longitudinal_roughness", 0.3)), -1, 1};
+    m.hair.beta_n = {float(bsdf.number("azimuthal_roughness", 0.3)), -1, 1};
+    m.hair.scale_tilt = bsdf.number("scale_tilt", 2) * (std::numbers::pi / 180);
+    m.hair.ior = float(std::clamp(relative_ior(bsdf, amber, air), 1.0, 3.0));
     // With base color 1, only the absorption set below tints the hair.
     m.base_color = {{1, 1, 1}, -1};
     if (bsdf.has("sigma_a")) {
         const float scale = float(bsdf.number("scale", 1));
         const std::optional<Color> plain = color_of(*bsdf.child("sigma_a"));  // values may exceed 1
-        m.absorption = plain ? ColorInput{*plain, -1} : color(bsdf, "sigma_a", {0, 0, 0});
-        for (float* c : {&m.absorption.value.r, &m.absorption.value.g, &m.absorption.value.b}) *c *= scale;
+        m.hair.absorption = plain ? ColorInput{*plain, -1} : color(bsdf, "sigma_a", {0, 0, 0});
+        for (float* c : {&m.hair.absorption.value.r, &m.hair.absorption.value.g, &m.hair.absorption.value.b})
+            *c *= scale;
     } else {
-        m.eumelanin = float(bsdf.number("eumelanin", 1.3));
-        m.pheomelanin = float(bsdf.number("pheomelanin", 0.2));
+        m.hair.eumelanin = float(bsdf.number("eumelanin", 1.3));
+        m.hair.pheomelanin = float(bsdf.number("pheomelanin", 0.2));
     }
     bsdf.ignore({"scale", "eumelanin", "pheomelanin"});
     return m;
@@ -322,11 +324,11 @@ Material Reader::principled(Object& bsdf)
 {
     Material m;
     m.kind = MaterialKind::disney;
-    m.thin = bsdf.type() == "principledthin";
+    m.interior.thin = bsdf.type() == "principledthin";
     m.base_color = color(bsdf, "base_color", {0.5f, 0.5f, 0.5f});
     m.roughness = number_or_texture(bsdf, "roughness", 0.5f);
     m.metallic = number_or_texture(bsdf, "metallic", 0);
-    m.transmission = number_or_texture(bsdf, "spec_trans", 0);
+    m.transmission.weight = number_or_texture(bsdf, "spec_trans", 0);
     double ior = 1.5;
     if (bsdf.has("eta")) {
         const FloatInput eta = number_or_texture(bsdf, "eta", 1.5f);
@@ -340,15 +342,15 @@ Material Reader::principled(Object& bsdf)
         ior = (1 + root) / (1 - root);
     }
     m.ior = float(ior);
-    m.anisotropy = number_or_texture(bsdf, "anisotropic", 0);
-    m.coat = number_or_texture(bsdf, "clearcoat", 0);
-    m.coat_gloss = number_or_texture(bsdf, "clearcoat_gloss", 0);
-    m.sheen = number_or_texture(bsdf, "sheen", 0);
-    m.sheen_tint = number_or_texture(bsdf, "sheen_tint", 0);
-    m.flatness = number_or_texture(bsdf, "flatness", 0);
-    m.specular_tint = number_or_texture(bsdf, "spec_tint", 0);
-    m.diffuse_transmission = number_or_texture(bsdf, "diff_trans", 0);
-    m.diffuse_transmission.value *= 0.5f;
+    m.microfacets.anisotropy = number_or_texture(bsdf, "anisotropic", 0);
+    m.coat.weight = number_or_texture(bsdf, "clearcoat", 0);
+    m.disney.coat_gloss = number_or_texture(bsdf, "clearcoat_gloss", 0);
+    m.disney.sheen = number_or_texture(bsdf, "sheen", 0);
+    m.disney.sheen_tint = number_or_texture(bsdf, "sheen_tint", 0);
+    m.disney.flatness = number_or_texture(bsdf, "flatness", 0);
+    m.disney.specular_tint = number_or_texture(bsdf, "spec_tint", 0);
+    m.diffuse_transmission.weight = number_or_texture(bsdf, "diff_trans", 0);
+    m.diffuse_transmission.weight.value *= 0.5f;
     bsdf.ignore({"specular"});
     return m;
 }
@@ -368,8 +370,8 @@ Material Reader::mask(Object& bsdf)
     Material m = read_nested(bsdf);
     const FloatInput opacity = number_or_texture(bsdf, "opacity", 0.5f);
     if (is_null_interface(m)) return m;
-    m.alpha = m.alpha_mode == AlphaMode::opaque ? opacity : product(scene_, m.alpha, opacity);
-    m.alpha_mode = AlphaMode::blend;
+    m.opacity.alpha = m.opacity.mode == AlphaMode::opaque ? opacity : product(scene_, m.opacity.alpha, opacity);
+    m.opacity.mode = AlphaMode::blend;
     return m;
 }
 
@@ -385,7 +387,7 @@ void Reader::read_interior(const Element& element, Material& m)
                 albedo = plain_color(medium, "albedo", {0.75f, 0.75f, 0.75f});
     for (const Element* phase_element : medium.children("phase")) {
         Object phase(*phase_element, document_);
-        if (phase.type() == "hg") m.transmission_scatter_anisotropy = float(phase.number("g", 0.8));
+        if (phase.type() == "hg") m.interior.scatter_anisotropy = float(phase.number("g", 0.8));
         phase.finish(context_.warnings);
     }
     medium.ignore({"sample_emitters", "has_spectral_extinction"});
@@ -393,13 +395,13 @@ void Reader::read_interior(const Element& element, Material& m)
     if (!(scale > 0)) return;
     if (is_null_interface(m)) m = index_matched_boundary();
     if (m.kind != MaterialKind::glass) return report(element, "is supported inside glass only: it is ignored");
-    m.transmission_scatter_bounces = true;
+    m.interior.scatter_bounces = true;
     const auto absorbed = [&](float t, float a) { return float(double(t) * scale * (1 - a)); };
     const auto scattered = [&](float t, float a) { return float(double(t) * scale * a); };
     fill_solid(
         m, {absorbed(extinction.r, albedo.r), absorbed(extinction.g, albedo.g), absorbed(extinction.b, albedo.b)},
         {scattered(extinction.r, albedo.r), scattered(extinction.g, albedo.g), scattered(extinction.b, albedo.b)},
-        m.transmission_scatter_anisotropy);
+        m.interior.scatter_anisotropy);
 }
 
 /// Fills the space outside all shapes with the camera's medium, if it has one.
@@ -410,7 +412,7 @@ void Reader::finish_media()
     if (!camera_medium_) return;
     Material m = index_matched_boundary();
     read_interior(*camera_medium_, m);
-    if (!(m.attenuation_distance > 0)) return;
+    if (!(m.interior.attenuation_distance > 0)) return;
     if (const std::string told = add_surrounding_medium(scene_, std::move(m)); !told.empty())
         report(*camera_medium_, told);
 }
@@ -428,7 +430,7 @@ int Reader::material_of_shape(Object& shape)
     Material m;
     const float gray = emitter ? 0.f : 0.5f;
     m.base_color = {{gray, gray, gray}, -1};
-    m.one_sided = true;
+    m.visibility.black_back = true;
     if (bsdf) m = scene_.materials[std::size_t(material(*bsdf))];
     if (medium) read_interior(*medium, m);
     if (emitter && emitter->type() != "directionalarea") {

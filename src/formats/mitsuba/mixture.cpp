@@ -14,13 +14,13 @@ namespace {
 
 bool is_plain(const Material& m)
 {
-    return m.kind == MaterialKind::diffuse && m.normal_texture < 0 && m.bump.texture < 0 && m.roughness.value == 0 &&
-           m.alpha_mode == AlphaMode::opaque;
+    return m.kind == MaterialKind::diffuse && m.normal_map.texture < 0 && m.bump.texture < 0 &&
+           m.roughness.value == 0 && m.opacity.mode == AlphaMode::opaque;
 }
 /// Whether both are Lambertian without other effects: their mixture is a single material of the mean color.
 bool are_plain(const Material& a, const Material& b)
 {
-    return is_plain(a) && is_plain(b) && a.one_sided == b.one_sided;
+    return is_plain(a) && is_plain(b) && a.visibility.black_back == b.visibility.black_back;
 }
 
 }  // namespace
@@ -41,13 +41,14 @@ Material Reader::two_sided(Object& bsdf)
         Material both;
         both.kind = MaterialKind::two_sided;
         if (nested.size() == 1) {
-            both.alpha_mode = std::exchange(m.alpha_mode, AlphaMode::opaque);
-            both.alpha = std::exchange(m.alpha, FloatInput{1, -1, 3});
+            both.opacity.mode = std::exchange(m.opacity.mode, AlphaMode::opaque);
+            both.opacity.alpha = std::exchange(m.opacity.alpha, FloatInput{1, -1, 3});
         }
-        both.material_a = nested.size() > 1 ? material(*nested[0]) : add_material(m);
+        both.mixture.material_a = nested.size() > 1 ? material(*nested[0]) : add_material(m);
         if (nested.size() > 1) m = scene_.materials[std::size_t(material(*nested[1]))];
-        both.material_b = has_normal_perturbation(m) || nested.size() == 1 ? add_material(bumps_for_back_side(m))
-                                                                           : material(*nested[1]);
+        both.mixture.material_b = has_normal_perturbation(m) || nested.size() == 1
+                                      ? add_material(bumps_for_back_side(m))
+                                      : material(*nested[1]);
         m = both;
     }
     two_sided_ = outer;
@@ -61,10 +62,10 @@ Material Reader::blend(Object& bsdf)
     const FloatInput weight = number_or_texture(bsdf, "weight", 0.5f);
     Material mixture;
     mixture.kind = MaterialKind::mix;
-    mixture.factor = weight;
-    mixture.material_a = material(*nested[0]), mixture.material_b = material(*nested[1]);
-    const Material& a = scene_.materials[std::size_t(mixture.material_a)];
-    const Material& b = scene_.materials[std::size_t(mixture.material_b)];
+    mixture.mixture.factor = weight;
+    mixture.mixture.material_a = material(*nested[0]), mixture.mixture.material_b = material(*nested[1]);
+    const Material& a = scene_.materials[std::size_t(mixture.mixture.material_a)];
+    const Material& b = scene_.materials[std::size_t(mixture.mixture.material_b)];
     if (weight.texture < 0 && (weight.value <= 0 || weight.value >= 1)) return weight.value >= 1 ? b : a;
     if (is_null_interface(b)) return blend_with_transparent(scene_, a, weight, true);
     if (is_null_interface(a)) return blend_with_transparent(scene_, b, weight, false);
@@ -77,7 +78,7 @@ Material Reader::blend(Object& bsdf)
         scene_.textures.push_back(mix);
         return out;
     }
-    const bool is_opaque = a.alpha_mode == AlphaMode::opaque && b.alpha_mode == AlphaMode::opaque;
+    const bool is_opaque = a.opacity.mode == AlphaMode::opaque && b.opacity.mode == AlphaMode::opaque;
     return is_opaque ? mixture : combine_opacity(std::move(mixture));
 }
 

@@ -15,17 +15,17 @@ Material transparent_sheet()
 {
     Material m;
     m.kind = MaterialKind::glass;
-    m.thin = true;
+    m.interior.thin = true;
     m.ior = 1;
     m.roughness = {0, -1, 0};
     m.base_color = {{1, 1, 1}, -1};
-    m.energy_compensation = false;
+    m.microfacets.energy_compensation = false;
     return m;
 }
 
 bool is_opaque(const Material& m)
 {
-    return m.alpha_mode == AlphaMode::opaque;
+    return m.opacity.mode == AlphaMode::opaque;
 }
 
 }  // namespace
@@ -35,10 +35,10 @@ Material Reader::mix_with_clear_sheet(Material m)
 {
     Material mixture;
     mixture.kind = MaterialKind::mix;
-    mixture.factor = m.alpha;
-    mixture.material_a = add_material(transparent_sheet());
-    m.alpha = {1, -1, 3}, m.alpha_mode = AlphaMode::opaque;
-    mixture.material_b = add_material(std::move(m));
+    mixture.mixture.factor = m.opacity.alpha;
+    mixture.mixture.material_a = add_material(transparent_sheet());
+    m.opacity.alpha = {1, -1, 3}, m.opacity.mode = AlphaMode::opaque;
+    mixture.mixture.material_b = add_material(std::move(m));
     return mixture;
 }
 
@@ -48,38 +48,38 @@ Material Reader::with_emission(Material m, ColorInput emission)
     constexpr float min_alpha = 0.1f;
     if (is_null_interface(m)) {
         m = transparent_sheet();
-    } else if (!is_opaque(m) && m.alpha.texture < 0 && m.alpha.value >= min_alpha) {
-        const float by = 1 / std::min(m.alpha.value, 1.f);
+    } else if (!is_opaque(m) && m.opacity.alpha.texture < 0 && m.opacity.alpha.value >= min_alpha) {
+        const float by = 1 / std::min(m.opacity.alpha.value, 1.f);
         emission.value = {emission.value.r * by, emission.value.g * by, emission.value.b * by};
     } else if (!is_opaque(m)) {
         m = mix_with_clear_sheet(std::move(m));
     }
-    m.emission = emission;
+    m.emission.radiance = emission;
     return m;
 }
 
 /// Combines the opacities of a mixture's two materials, of which at least one is transparent.
 Material Reader::combine_opacity(Material mixture)
 {
-    Material &a = scene_.materials[std::size_t(mixture.material_a)],
-             &b = scene_.materials[std::size_t(mixture.material_b)];
-    const auto alpha_of = [](const Material& m) { return is_opaque(m) ? FloatInput{1, -1, 0} : m.alpha; };
+    Material &a = scene_.materials[std::size_t(mixture.mixture.material_a)],
+             &b = scene_.materials[std::size_t(mixture.mixture.material_b)];
+    const auto alpha_of = [](const Material& m) { return is_opaque(m) ? FloatInput{1, -1, 0} : m.opacity.alpha; };
     const FloatInput alpha_a = alpha_of(a), alpha_b = alpha_of(b);
     const bool is_alike = alpha_a.texture == alpha_b.texture && alpha_a.value == alpha_b.value &&
                           (alpha_a.texture < 0 || alpha_a.channel == alpha_b.channel);
-    mixture.alpha_mode = AlphaMode::blend;
+    mixture.opacity.mode = AlphaMode::blend;
     if (is_alike) {
-        mixture.alpha = alpha_a;
+        mixture.opacity.alpha = alpha_a;
         return mixture;
     }
-    if (alpha_a.texture < 0 && alpha_b.texture < 0 && mixture.factor.texture < 0) {
-        const float weight = mixture.factor.value, of_b = weight * alpha_b.value;
-        mixture.alpha = {(1 - weight) * alpha_a.value + of_b, -1, 0};
-        mixture.factor.value = mixture.alpha.value > 0 ? of_b / mixture.alpha.value : weight;
+    if (alpha_a.texture < 0 && alpha_b.texture < 0 && mixture.mixture.factor.texture < 0) {
+        const float weight = mixture.mixture.factor.value, of_b = weight * alpha_b.value;
+        mixture.opacity.alpha = {(1 - weight) * alpha_a.value + of_b, -1, 0};
+        mixture.mixture.factor.value = mixture.opacity.alpha.value > 0 ? of_b / mixture.opacity.alpha.value : weight;
         return mixture;
     }
-    mixture.alpha_mode = AlphaMode::opaque;
-    for (int* part : {&mixture.material_a, &mixture.material_b})
+    mixture.opacity.mode = AlphaMode::opaque;
+    for (int* part : {&mixture.mixture.material_a, &mixture.mixture.material_b})
         if (const Material m = scene_.materials[std::size_t(*part)]; !is_opaque(m))
             *part = add_material(mix_with_clear_sheet(m));
     return mixture;

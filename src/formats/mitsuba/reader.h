@@ -47,7 +47,7 @@ private:
     void hide_emitters();
     // emitter.cpp
     void read_emitter(const Element& element);
-    std::optional<LightPicture> light_picture(const Element& texture);
+    std::optional<LightImage> light_picture(const Element& texture);
     void read_projector(Object& emitter, Light& light);
     void read_environment_map(Object& emitter);
     void read_sky(Object& emitter);

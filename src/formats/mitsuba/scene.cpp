@@ -50,7 +50,8 @@ SceneDescription Reader::read()
         if (child->tag == "sensor") read_sensor(*child);
     for (const auto& child : document_.root->children) read_root(*child);
     if (hides_emitters_)
-        for (const int lamp : emissive_materials_) scene_.materials[std::size_t(lamp)].hidden_from_camera = true;
+        for (const int lamp : emissive_materials_)
+            scene_.materials[std::size_t(lamp)].visibility.hidden_from_camera = true;
     finish_media();
     add_reported_warnings();
     return std::move(scene_);

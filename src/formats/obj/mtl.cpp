@@ -287,12 +287,12 @@ private:
         }
         if (m.kind != MaterialKind::principled || !has_layers) return;
         const float sheen = share(e.sheen, e.map_sheen);
-        m.sheen_color = {{sheen, sheen, sheen}, e.map_sheen};
-        m.coat = {share(e.coat, e.map_coat), e.map_coat, 0};
-        m.coat_roughness = {share(e.coat_roughness, e.map_coat_roughness), e.map_coat_roughness, 0};
-        m.anisotropy = {std::clamp(e.anisotropy.value_or(0), 0.0f, 1.0f), -1, 0};
+        m.sheen.color = {{sheen, sheen, sheen}, e.map_sheen};
+        m.coat.weight = {share(e.coat, e.map_coat), e.map_coat, 0};
+        m.coat.roughness = {share(e.coat_roughness, e.map_coat_roughness), e.map_coat_roughness, 0};
+        m.microfacets.anisotropy = {std::clamp(e.anisotropy.value_or(0), 0.0f, 1.0f), -1, 0};
         // The file's unit is turns.
-        m.anisotropy_rotation = 2 * std::numbers::pi * double(e.anisotropy_turn.value_or(0));
+        m.microfacets.anisotropy_rotation = 2 * std::numbers::pi * double(e.anisotropy_turn.value_or(0));
     }
 
     void add(Entry& e)
@@ -308,19 +308,19 @@ private:
         set_phong(m, e.phong);
         set_layers(e, m);
         m.base_color.texture = e.map_diffuse;
-        m.normal_texture = e.map_normal;
-        m.normal_scale = e.normal_scale;
-        m.displacement = e.displacement;
-        m.displacement_midlevel = e.displacement_midlevel;
-        m.emission.value = e.map_emission >= 0 && is_black(e.emission) ? Color{1, 1, 1} : e.emission;
-        m.emission.texture = e.map_emission;
+        m.normal_map.texture = e.map_normal;
+        m.normal_map.scale = e.normal_scale;
+        m.displacement.height = e.displacement;
+        m.displacement.midlevel = e.displacement_midlevel;
+        m.emission.radiance.value = e.map_emission >= 0 && is_black(e.emission) ? Color{1, 1, 1} : e.emission;
+        m.emission.radiance.texture = e.map_emission;
         // OBJ files are unreliable about the front side, so both sides emit.
-        m.emission_two_sided = true;
+        m.emission.two_sided = true;
         if (e.map_opacity >= 0) {
-            m.alpha.texture = e.map_opacity;
+            m.opacity.alpha.texture = e.map_opacity;
             const bool same_image = e.map_diffuse >= 0 && texture_image(e.map_diffuse) == texture_image(e.map_opacity);
-            m.alpha.channel = same_image ? 3 : 0;
-            m.alpha_mode = AlphaMode::blend;
+            m.opacity.alpha.channel = same_image ? 3 : 0;
+            m.opacity.mode = AlphaMode::blend;
         }
         by_name_[e.name] = int(scene_.materials.size());
         by_name_.try_emplace(std::string(before_comment(e.name)), int(scene_.materials.size()));

@@ -53,8 +53,8 @@ Material Reader::read_material(const Parameters& m)
     Material result;
     if (type == "interface" || type.empty() || type == "none") {
         result.kind = MaterialKind::none;
-        result.alpha_mode = AlphaMode::blend;
-        result.alpha.value = 0;
+        result.opacity.mode = AlphaMode::blend;
+        result.opacity.alpha.value = 0;
         m.finish(reporter_);
         return result;
     }
@@ -120,20 +120,20 @@ void Reader::set_roughness(const Parameters& m, const std::string& prefix, Mater
     const FloatInput both = roughness(m, prefix + "roughness", 0, remap);
     const auto of = [&](const std::string& name) { return m.has(name) ? roughness(m, name, 0, remap) : both; };
     const FloatInput u = of(prefix + "uroughness"), v = of(prefix + "vroughness");
-    out.energy_compensation = false;
+    out.microfacets.energy_compensation = false;
     out.roughness = u;
     if (u.texture >= 0 || v.texture >= 0) {
         if (!m.has(prefix + "uroughness") && !m.has(prefix + "vroughness")) return;
-        out.two_roughnesses = true;
-        out.anisotropy = u, out.roughness = v;
+        out.microfacets.two_roughnesses = true;
+        out.microfacets.anisotropy = u, out.roughness = v;
         return;
     }
     const float narrow = std::min(u.value, v.value), wide = std::max(u.value, v.value);
     out.roughness.value = narrow;
     const float narrow_alpha = narrow * narrow, wide_alpha = wide * wide;
     if (wide_alpha > narrow_alpha)
-        out.anisotropy = {std::sqrt((wide_alpha - narrow_alpha) / (1 - narrow_alpha)), -1, 0};
-    if (u.value < v.value) out.anisotropy_rotation = 1.5707963267948966;
+        out.microfacets.anisotropy = {std::sqrt((wide_alpha - narrow_alpha) / (1 - narrow_alpha)), -1, 0};
+    if (u.value < v.value) out.microfacets.anisotropy_rotation = 1.5707963267948966;
 }
 
 /// Reads a normal map or, failing that, a bump map.
@@ -151,7 +151,7 @@ void Reader::set_bumps(const Parameters& m, Material& out)
         map.name = file;
         map.image = found->second;
         map.color_space = ColorSpace::linear;
-        out.normal_texture = add_texture(map);
+        out.normal_map.texture = add_texture(map);
         out.map_tangents = false;
     }
 }
@@ -164,10 +164,10 @@ Material Reader::coated_diffuse(const Parameters& m)
     out.base_color = color(m, "reflectance", {0.5f, 0.5f, 0.5f});
     set_roughness(m, "", out);
     out.ior = ior(m, "eta", 1.5f);
-    if (out.anisotropy.value > 0)
+    if (out.microfacets.anisotropy.value > 0)
         report(m, "anisotropic roughness of the coat is not supported: isotropic roughness is used");
-    out.two_roughnesses = false, out.anisotropy = {0, -1, 0};
-    out.optical_thickness = layer_thickness(m);
+    out.microfacets.two_roughnesses = false, out.microfacets.anisotropy = {0, -1, 0};
+    out.plastic.optical_thickness = layer_thickness(m);
     return out;
 }
 
@@ -190,22 +190,22 @@ Material Reader::dielectric(const Parameters& m, float usual_index)
     out.base_color = {{1, 1, 1}, -1};
     const GlassIndex glass = glass_index(m, "eta", usual_index);
     out.ior = float(glass.middle);
-    out.thin = m.plugin() == "thindielectric";
+    out.interior.thin = m.plugin() == "thindielectric";
     out.roughness = {0, -1, 0};
-    out.energy_compensation = false;
+    out.microfacets.energy_compensation = false;
     // Dispersion is invisible in thin panes.
-    if (out.thin) return out;
+    if (out.interior.thin) return out;
     if (glass.abbe > 0) {
         // A principled material with these values equals glass bit for bit, apart from dispersion.
         out.kind = MaterialKind::principled;
         out.metallic = {0, -1, 0};
-        out.transmission = {1, -1, 0};
-        out.dispersion = float(std::min(20 / glass.abbe, 40.0));
+        out.transmission.weight = {1, -1, 0};
+        out.transmission.dispersion = float(std::min(20 / glass.abbe, 40.0));
     }
     set_roughness(m, "", out);
-    if (out.anisotropy.value > 0)
+    if (out.microfacets.anisotropy.value > 0)
         report(m, "anisotropic roughness of glass is not supported: isotropic roughness is used");
-    out.two_roughnesses = false, out.anisotropy = {0, -1, 0};
+    out.microfacets.two_roughnesses = false, out.microfacets.anisotropy = {0, -1, 0};
     return out;
 }
 
@@ -220,13 +220,13 @@ Material Reader::diffuse_transmission(const Parameters& m)
     Material out;
     out.kind = MaterialKind::principled;
     out.metallic = {0, -1, 0};
-    out.specular = {0, -1, 0};
+    out.specular.weight = {0, -1, 0};
     out.roughness = {1, -1, 0};
     out.base_color = limited(color(m, "reflectance", {0.25f, 0.25f, 0.25f}));
-    out.diffuse_transmission = {1, -1, 0};
-    out.diffuse_transmission_color = limited(color(m, "transmittance", {0.25f, 0.25f, 0.25f}));
-    out.diffuse_transmission_added = true;
-    if (is_above_1(out.base_color, out.diffuse_transmission_color))
+    out.diffuse_transmission.weight = {1, -1, 0};
+    out.diffuse_transmission.color = limited(color(m, "transmittance", {0.25f, 0.25f, 0.25f}));
+    out.diffuse_transmission.added = true;
+    if (is_above_1(out.base_color, out.diffuse_transmission.color))
         report(m, "reflects and transmits more light than it receives, as in pbrt");
     return out;
 }
@@ -252,13 +252,13 @@ Material Reader::subsurface(const Parameters& m)
         out.ior = ior(m, "eta", 1.33f);
         out.metallic = {0, -1, 0};
         set_roughness(m, "", out);
-        out.subsurface = {1, -1, 0};
-        out.subsurface_color = color(m, "reflectance", {0.5f, 0.5f, 0.5f});
+        out.subsurface.weight = {1, -1, 0};
+        out.subsurface.color = color(m, "reflectance", {0.5f, 0.5f, 0.5f});
         const Color path = color_value(m, "mfp", {1, 1, 1}, true);
         const float longest = std::max({path.r, path.g, path.b, 1e-6f});
-        out.subsurface_radius = {longest * float(scale), -1, 0};
-        out.subsurface_radius_scale = {scaled(path, 1 / longest), -1};
-        out.subsurface_scatter_anisotropy = g;
+        out.subsurface.radius = {longest * float(scale), -1, 0};
+        out.subsurface.radius_scale = {scaled(path, 1 / longest), -1};
+        out.subsurface.scatter_anisotropy = g;
         return out;
     }
     if (const MeasuredMedium* const known = measured_medium(m, "name")) {
@@ -279,23 +279,23 @@ Material Reader::hair(const Parameters& m)
 {
     Material out;
     out.kind = MaterialKind::hair;
-    out.beta_m = number_or_texture(m, "beta_m", 0.3f);
-    out.beta_n = number_or_texture(m, "beta_n", 0.3f);
-    out.scale_tilt = number_or_texture(m, "alpha", 2).value * (std::numbers::pi / 180);
-    out.hair_ior = std::clamp(ior(m, "eta", 1.55f), 1.f, 3.f);
+    out.hair.beta_m = number_or_texture(m, "beta_m", 0.3f);
+    out.hair.beta_n = number_or_texture(m, "beta_n", 0.3f);
+    out.hair.scale_tilt = number_or_texture(m, "alpha", 2).value * (std::numbers::pi / 180);
+    out.hair.ior = std::clamp(ior(m, "eta", 1.55f), 1.f, 3.f);
     // With base color 1, only the absorption set below tints the hair.
     out.base_color = {{1, 1, 1}, -1};
     if (m.has("sigma_a")) {
-        out.absorption = m.find("sigma_a")->type == "texture"
-                             ? color(m, "sigma_a", {0, 0, 0})
-                             : ColorInput{color_value(m, "sigma_a", {0, 0, 0}, true), -1};
+        out.hair.absorption = m.find("sigma_a")->type == "texture"
+                                  ? color(m, "sigma_a", {0, 0, 0})
+                                  : ColorInput{color_value(m, "sigma_a", {0, 0, 0}, true), -1};
     } else if (m.has("reflectance") || m.has("color")) {
         out.base_color = color(m, m.has("reflectance") ? "reflectance" : "color", {0.5f, 0.5f, 0.5f});
     } else {
         const bool is_said = m.has("eumelanin") || m.has("pheomelanin");
         const FloatInput e = number_or_texture(m, "eumelanin", is_said ? 0 : 1.3f),
                          p = number_or_texture(m, "pheomelanin", 0);
-        out.eumelanin = e.value, out.pheomelanin = p.value;
+        out.hair.eumelanin = e.value, out.hair.pheomelanin = p.value;
         if (e.texture >= 0 || p.texture >= 0)
             report(m, "textures of melanin concentrations are not supported: only their scale is used");
     }
@@ -328,8 +328,8 @@ Material Reader::mix(const Parameters& m)
     for (const bool second : {false, true})
         if (is_null_interface(both[second])) return blend_with_transparent(scene_, both[!second], amount, second);
     const auto is_plain = [](const Material& part) {
-        return part.kind == MaterialKind::diffuse && part.alpha_mode == AlphaMode::opaque && part.normal_texture < 0 &&
-               part.bump.texture < 0;
+        return part.kind == MaterialKind::diffuse && part.opacity.mode == AlphaMode::opaque &&
+               part.normal_map.texture < 0 && part.bump.texture < 0;
     };
     if (is_plain(both[0]) && is_plain(both[1])) {
         both[0].base_color = mixed(both[0].base_color, both[1].base_color, amount);
@@ -337,10 +337,10 @@ Material Reader::mix(const Parameters& m)
     }
     Material out;
     out.kind = MaterialKind::mix;
-    out.factor = amount;
-    out.material_a = int(scene_.materials.size()), out.material_b = out.material_a + 1;
+    out.mixture.factor = amount;
+    out.mixture.material_a = int(scene_.materials.size()), out.mixture.material_b = out.mixture.material_a + 1;
     for (std::size_t i = 0; i < 2; ++i) {
-        if (both[i].alpha_mode != AlphaMode::opaque) report(m, "an 'interface' in a mix within a mix is black");
+        if (both[i].opacity.mode != AlphaMode::opaque) report(m, "an 'interface' in a mix within a mix is black");
         both[i].name = names[i];
         scene_.materials.push_back(both[i]);
     }
@@ -365,11 +365,12 @@ void Reader::set_medium(const Parameters& medium, Material& out)
     medium.ignore({"type", "Le", "Lescale"});
     medium.finish(reporter_);
     if (out.kind == MaterialKind::none) out = index_matched_boundary();
-    if (out.kind != MaterialKind::glass && !(out.kind == MaterialKind::principled && out.transmission.value == 1)) {
+    if (out.kind != MaterialKind::glass &&
+        !(out.kind == MaterialKind::principled && out.transmission.weight.value == 1)) {
         report(medium, "is supported inside glass only: it is ignored");
         return;
     }
-    out.transmission_scatter_bounces = true;
+    out.interior.scatter_bounces = true;
     fill_solid(out, scaled(absorption, scale), scaled(scattering, scale), g);
 }
 
@@ -382,7 +383,7 @@ void Reader::finish_media()
     if (!around) return;
     Material m = index_matched_boundary();
     set_medium(*around, m);
-    if (!(m.attenuation_distance > 0)) return;
+    if (!(m.interior.attenuation_distance > 0)) return;
     if (const std::string told = add_surrounding_medium(scene_, std::move(m)); !told.empty()) report(*around, told);
 }
 
@@ -398,13 +399,13 @@ void Reader::set_emission(const Surface& surface, Material& out)
         emission.texture = add_texture(picture);
     }
     emission.value = scaled(emission.value, surface.power_factor);
-    out.emission = emission;
-    out.emission_two_sided = light.boolean("twosided", false);
+    out.emission.radiance = emission;
+    out.emission.two_sided = light.boolean("twosided", false);
     light.ignore({"power"});
     light.finish(reporter_);
-    if (out.kind == MaterialKind::none && out.alpha_mode == AlphaMode::blend && out.alpha.value == 0) {
-        out.alpha.value = 1;
-        out.alpha_mode = AlphaMode::opaque;
+    if (out.kind == MaterialKind::none && out.opacity.mode == AlphaMode::blend && out.opacity.alpha.value == 0) {
+        out.opacity.alpha.value = 1;
+        out.opacity.mode = AlphaMode::opaque;
     }
 }
 

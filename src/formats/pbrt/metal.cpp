@@ -83,8 +83,8 @@ float roughness_through_coat(float base, float coat, float ior)
 void set_metal(const Conductor& conductor, Material& out)
 {
     const ConductorColors colors = colors_of(conductor);
-    out.base_color = {colors.base, -1}, out.edge_color = {colors.edge, -1};
-    out.conductor_eta = conductor.eta, out.conductor_k = conductor.k;
+    out.base_color = {colors.base, -1}, out.conductor.edge_color = {colors.edge, -1};
+    out.conductor.eta = conductor.eta, out.conductor.k = conductor.k;
 }
 
 }  // namespace
@@ -92,7 +92,7 @@ void set_metal(const Conductor& conductor, Material& out)
 void Reader::set_metal_colors(const Parameters& m, const std::string& prefix, float outside, Material& out)
 {
     const auto set = [&](const ConductorColors& colors) {
-        out.base_color = {colors.base, -1}, out.edge_color = {colors.edge, -1};
+        out.base_color = {colors.base, -1}, out.conductor.edge_color = {colors.edge, -1};
     };
     const Parameter *const eta = m.find(prefix + "eta"), *const k = m.find(prefix + "k");
     const auto name = [](const Parameter* p) { return p && p->strings.size() == 1 ? p->strings[0] : std::string(); };
@@ -148,20 +148,20 @@ Material Reader::coated_conductor(const Parameters& m)
     Material out = conductor(m, "conductor.", coat_ior);
     Material coat;
     set_roughness(m, "interface.", coat);
-    out.coat = {1, -1, 0};
-    out.coat_ior = coat_ior;
-    out.coat_roughness = coat.roughness;
+    out.coat.weight = {1, -1, 0};
+    out.coat.ior = coat_ior;
+    out.coat.roughness = coat.roughness;
     const double thickness = layer_thickness(m);
     const auto left = float(std::exp(-2 * thickness / inner_cosine(std::sqrt(0.5), coat_ior)));
-    out.coat_color = {{left, left, left}, -1};
+    out.coat.color = {{left, left, left}, -1};
     if (out.base_color.texture < 0) {
         const auto edge = [&](float base) { return fit_edge_tint_below_coat(base, coat_ior, thickness, left); };
         const Color& base = out.base_color.value;
-        out.edge_color.value = {edge(base.r), edge(base.g), edge(base.b)};
+        out.conductor.edge_color.value = {edge(base.r), edge(base.g), edge(base.b)};
         // base_color and edge_color account for the coat, and an exact index of refraction would override them.
-        out.conductor_eta = out.conductor_k = {0, 0, 0};
+        out.conductor.eta = out.conductor.k = {0, 0, 0};
     }
-    if (out.roughness.texture < 0 && coat.roughness.texture < 0 && !out.two_roughnesses)
+    if (out.roughness.texture < 0 && coat.roughness.texture < 0 && !out.microfacets.two_roughnesses)
         out.roughness.value = roughness_through_coat(out.roughness.value, coat.roughness.value, coat_ior);
     report(m, "interreflection below the coat is not simulated: its loss is computed from the color");
     return out;

@@ -356,15 +356,15 @@ void Reader::read_shape(const Parameters& shape)
     const bool is_unseen = alpha.texture < 0 && alpha.value == 0;
     if (is_new && surface.light && is_unseen) {
         // An emissive shape of alpha 0 illuminates the scene in pbrt, but no ray hits it.
-        material.invisible_light = true;
+        material.visibility.invisible_light = true;
     } else if (is_new && !surface.alpha.empty() && (alpha.texture >= 0 || alpha.value < 1)) {
-        material.alpha_mode = AlphaMode::blend;
-        material.alpha = alpha;
+        material.opacity.mode = AlphaMode::blend;
+        material.opacity.alpha = alpha;
     }
     if (is_new && !surface.displacement.empty()) {
         const FloatInput height = number_or_texture(shape, "displacement", 0);
-        material.displacement = height;
-        material.displacement_edge_length = surface.displacement_edge;
+        material.displacement.height = height;
+        material.displacement.edge_length = surface.displacement_edge;
     }
     Node node;
     node.shapes.push_back(*std::move(found));

@@ -22,7 +22,7 @@ Bvh::~Bvh() = default;
 Bvh::Bvh(Bvh&&) noexcept = default;
 Bvh& Bvh::operator=(Bvh&&) noexcept = default;
 
-void Bvh::build(const GeometryTables& tables, TreeBuild level)
+void Bvh::build(const GeometryTables& tables, BvhQuality level)
 {
     const auto start = std::chrono::steady_clock::now();
     auto data = std::make_unique<Data>();

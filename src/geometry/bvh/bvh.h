@@ -10,7 +10,7 @@
 #include <memory>
 #include <vector>
 
-#include "fathom/tree_build.h"
+#include "fathom/bvh_quality.h"
 
 namespace fathom {
 
@@ -74,7 +74,7 @@ public:
     /// Builds the BVH with all threads; the result does not depend on their number. Triangles with non-finite
     /// coordinates or two equal vertices are never hit. Keeps a pointer to the tables, which tracing reads. Throws
     /// std::length_error beyond 2^27 triangles.
-    void build(const GeometryTables& tables, TreeBuild level = TreeBuild::standard);
+    void build(const GeometryTables& tables, BvhQuality level = BvhQuality::standard);
 
     /// Updates the BVH after changes of movable instances, poses, shape flags, or the vertices of the `changed` shapes,
     /// which must be shapes used by instances only. The tables must be `editable` unless only flags changed.

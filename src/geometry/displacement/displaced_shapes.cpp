@@ -93,7 +93,7 @@ std::string name_of(const SceneDescription& scene, const Shape& shape)
 }  // namespace
 
 DisplacedShapes::Settings::Settings(const Material& m)
-    : height(m.displacement), midlevel(m.displacement_midlevel), edge_length(m.displacement_edge_length)
+    : height(m.displacement.height), midlevel(m.displacement.midlevel), edge_length(m.displacement.edge_length)
 {
 }
 

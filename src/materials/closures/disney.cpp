@@ -10,18 +10,20 @@ namespace {
 /// disney_transmitting if any light can pass, else disney.
 ClosureKind closure_of_disney(const Material& m)
 {
-    const bool passes = is_positive(m.transmission) || (m.thin && is_positive(m.diffuse_transmission));
+    const bool passes =
+        is_positive(m.transmission.weight) || (m.interior.thin && is_positive(m.diffuse_transmission.weight));
     return passes ? ClosureKind::disney_transmitting : ClosureKind::disney;
 }
 
 DisneyRecord disney_record(const Material& m)
 {
     DisneyRecord t;
-    t.anisotropy = number(m.anisotropy), t.flatness = number(m.flatness), t.specular_tint = number(m.specular_tint);
-    t.sheen = number(m.sheen), t.sheen_tint = number(m.sheen_tint);
-    t.coat = number(m.coat), t.coat_gloss = number(m.coat_gloss);
-    t.transmission = number(m.transmission), t.diffuse_transmission = number(m.diffuse_transmission);
-    if (is_positive(m.anisotropy)) t.features |= DisneyRecord::anisotropic;
+    t.anisotropy = number(m.microfacets.anisotropy), t.flatness = number(m.disney.flatness),
+    t.specular_tint = number(m.disney.specular_tint);
+    t.sheen = number(m.disney.sheen), t.sheen_tint = number(m.disney.sheen_tint);
+    t.coat = number(m.coat.weight), t.coat_gloss = number(m.disney.coat_gloss);
+    t.transmission = number(m.transmission.weight), t.diffuse_transmission = number(m.diffuse_transmission.weight);
+    if (is_positive(m.microfacets.anisotropy)) t.features |= DisneyRecord::anisotropic;
     if (is_textured(t.anisotropy, t.flatness, t.specular_tint, t.sheen, t.sheen_tint, t.coat, t.coat_gloss,
                     t.transmission, t.diffuse_transmission))
         t.features |= DisneyRecord::textured;

@@ -9,14 +9,14 @@ namespace {
 /// excluded: a map would bend only the reflection, and is rare on such glass.
 bool is_pane(const Material& m, const GlassRecord& record)
 {
-    return m.thin && record.roughness == 0 && record.roughness_texture.texture == no_index && m.normal_texture < 0 &&
-           m.bump.texture < 0;
+    return m.interior.thin && record.roughness == 0 && record.roughness_texture.texture == no_index &&
+           m.normal_map.texture < 0 && m.bump.texture < 0;
 }
 
 /// Whether the surface refracts, reflects and colors nothing.
 bool is_open_boundary(const Material& m)
 {
-    return !m.thin && m.ior == 1 && is_white(m.transmission_color);
+    return !m.interior.thin && m.ior == 1 && is_white(m.transmission.color);
 }
 
 }  // namespace
@@ -25,14 +25,14 @@ bool is_open_boundary(const Material& m)
 void compile_glass(Compiler&, const Material& m, MaterialRecord& t)
 {
     t.closure = ClosureKind::glass;
-    set_base_color(m.transmission_color, t);
+    set_base_color(m.transmission.color, t);
     GlassRecord record;
     set_number(m.roughness, record.roughness, record.roughness_texture, t);
     record.ior = m.ior;
     record.flags = facet_flags(m);
     if (m.kind == MaterialKind::glass) {
-        if (m.thin) record.flags |= GlassRecord::sheet;
-        set_reflection_color(m.specular_color, record, t);
+        if (m.interior.thin) record.flags |= GlassRecord::sheet;
+        set_reflection_color(m.specular.color, record, t);
     }
     t.set_parameters(record);
     t.features.add(MaterialFeature::pane, is_pane(m, record));

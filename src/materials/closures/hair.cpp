@@ -16,8 +16,8 @@ Color melanin_absorption(float eumelanin, float pheomelanin)
 /// Replaces the base color by the absorption if the material gives one.
 void set_absorption(const Material& m, MaterialRecord& t)
 {
-    ColorInput absorbed = m.absorption;
-    if (!is_positive(absorbed)) absorbed = {melanin_absorption(m.eumelanin, m.pheomelanin), -1};
+    ColorInput absorbed = m.hair.absorption;
+    if (!is_positive(absorbed)) absorbed = {melanin_absorption(m.hair.eumelanin, m.hair.pheomelanin), -1};
     if (!is_positive(absorbed)) return;
     t.features.add(MaterialFeature::absorbing_fiber);
     set_base_color(absorbed, t);
@@ -28,10 +28,10 @@ void set_absorption(const Material& m, MaterialRecord& t)
 void compile_hair(Compiler&, const Material& m, MaterialRecord& t)
 {
     HairRecord record;
-    set_number(m.beta_m, record.beta_m, record.beta_m_texture, t);
-    set_number(m.beta_n, record.beta_n, record.beta_n_texture, t);
-    record.ior = m.hair_ior;
-    record.scale_tilt = float(m.scale_tilt);
+    set_number(m.hair.beta_m, record.beta_m, record.beta_m_texture, t);
+    set_number(m.hair.beta_n, record.beta_n, record.beta_n_texture, t);
+    record.ior = m.hair.ior;
+    record.scale_tilt = float(m.hair.scale_tilt);
     t.set_parameters(record);
     t.features |= MaterialFeature::needs_tangent | MaterialFeature::needs_uv;
     set_absorption(m, t);

@@ -29,12 +29,12 @@ void compile_plastic(Compiler&, const Material& m, MaterialRecord& t)
     PlasticRecord record;
     set_number(m.roughness, record.roughness, record.roughness_texture, t);
     record.ior = m.ior;
-    record.optical_thickness = m.optical_thickness;
-    record.internal_absorption = float(internal_absorption(std::max(m.ior, 1.001f), m.optical_thickness));
-    if (m.inner_reflectance >= 0) record.internal_absorption = -std::max(m.inner_reflectance, 1e-6f);
+    record.optical_thickness = m.plastic.optical_thickness;
+    record.internal_absorption = float(internal_absorption(std::max(m.ior, 1.001f), m.plastic.optical_thickness));
+    if (m.plastic.inner_reflectance >= 0) record.internal_absorption = -std::max(m.plastic.inner_reflectance, 1e-6f);
     record.flags = facet_flags(m);
-    if (m.nonlinear) record.flags |= PlasticRecord::nonlinear;
-    set_reflection_color(m.specular_color, record, t);
+    if (m.plastic.nonlinear) record.flags |= PlasticRecord::nonlinear;
+    set_reflection_color(m.specular.color, record, t);
     t.set_parameters(record);
 }
 

@@ -14,10 +14,10 @@ constexpr std::uint32_t plain = LayersRecord::energy_compensation | LayersRecord
 ClosureKind closure_of_principled(const Material& m)
 {
     const std::uint32_t features = layer_features(m);
-    const bool is_plain =
-        (features & ~plain) == 0 && is_one(m.specular) && is_white(m.specular_color) && is_white(m.edge_color);
+    const bool is_plain = (features & ~plain) == 0 && is_one(m.specular.weight) && is_white(m.specular.color) &&
+                          is_white(m.conductor.edge_color);
     const bool is_metal = is_positive(m.metallic);
-    if (is_plain && is_one(m.transmission) && !is_metal) return ClosureKind::glass;
+    if (is_plain && is_one(m.transmission.weight) && !is_metal) return ClosureKind::glass;
     if (features &
         (LayersRecord::with_transmission | LayersRecord::with_diffuse_transmission | LayersRecord::with_subsurface))
         return ClosureKind::layered_transmitting;

@@ -67,8 +67,8 @@ inline void set_number(const FloatInput& input, float& value, NumberTexture& tex
 /// Bits of namespace facets for a material with microfacets.
 inline std::uint32_t facet_flags(const Material& m)
 {
-    return (m.beckmann ? facets::beckmann : 0) | (m.separable ? facets::separable : 0) |
-           (m.energy_compensation ? facets::compensated : 0);
+    return (m.microfacets.beckmann ? facets::beckmann : 0) | (m.microfacets.separable_masking ? facets::separable : 0) |
+           (m.microfacets.energy_compensation ? facets::compensated : 0);
 }
 /// Sets the color of reflections of a GlassRecord or PlasticRecord.
 template <class Record>

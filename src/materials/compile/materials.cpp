@@ -23,32 +23,32 @@ void compile_closure(Compiler& c, const Material& m, MaterialRecord& t)
 void compile_emission(const Material& m, MaterialRecord& t)
 {
     const bool is_unlit = m.kind == MaterialKind::unlit;
-    const ColorInput& emission = is_unlit ? m.base_color : m.emission;
+    const ColorInput& emission = is_unlit ? m.base_color : m.emission.radiance;
     t.emission = spectrum(emission.value);
     t.emission_texture = texture_id(emission.texture);
     t.features.add(MaterialFeature::unlit, is_unlit);
     t.features.add(MaterialFeature::emits, is_positive(emission));
-    t.features.add(MaterialFeature::two_sided_emission, m.emission_two_sided || is_unlit);
+    t.features.add(MaterialFeature::two_sided_emission, m.emission.two_sided || is_unlit);
     t.features.add(MaterialFeature::needs_uv, emission.texture >= 0);
 }
 
 /// Rays pass surfaces that are invisible lights, whatever their alpha.
 void compile_alpha(const Material& m, MaterialRecord& t)
 {
-    const NumberRecord alpha = number(m.alpha);
-    t.alpha_mode = std::uint32_t(m.invisible_light ? AlphaMode::blend : m.alpha_mode);
-    t.alpha = m.invisible_light ? 0 : alpha.value;
-    t.alpha_texture = m.invisible_light ? no_index : alpha.texture;
+    const NumberRecord alpha = number(m.opacity.alpha);
+    t.alpha_mode = std::uint32_t(m.visibility.invisible_light ? AlphaMode::blend : m.opacity.mode);
+    t.alpha = m.visibility.invisible_light ? 0 : alpha.value;
+    t.alpha_texture = m.visibility.invisible_light ? no_index : alpha.texture;
     t.alpha_channel = alpha.channel;
-    t.alpha_cutoff = m.alpha_cutoff;
-    t.features.add(MaterialFeature::invisible_light, m.invisible_light);
+    t.alpha_cutoff = m.opacity.cutoff;
+    t.features.add(MaterialFeature::invisible_light, m.visibility.invisible_light);
 }
 
 void compile_maps(const Compiler& c, const Material& m, MaterialRecord& t)
 {
-    t.normal_texture = texture_id(m.normal_texture);
-    t.normal_scale = m.normal_scale;
-    if (m.normal_texture >= 0) t.features |= MaterialFeature::normal_mapped | MaterialFeature::needs_tangent;
+    t.normal_texture = texture_id(m.normal_map.texture);
+    t.normal_scale = m.normal_map.scale;
+    if (m.normal_map.texture >= 0) t.features |= MaterialFeature::normal_mapped | MaterialFeature::needs_tangent;
     if (m.bump.texture < 0) return;
     t.features.add(MaterialFeature::bumped);
     t.bump = number(m.bump);
@@ -67,8 +67,8 @@ bool has_other_tangents(const Compiler& c, int texture)
 /// Sets whether tangents follow the texture coordinates of maps. Requires the features of all other steps.
 void compile_tangents(const Compiler& c, const Material& m, MaterialRecord& t)
 {
-    const bool differ = has_other_tangents(c, m.normal_texture) || has_other_tangents(c, m.coat_normal_texture) ||
-                        has_other_tangents(c, m.anisotropy_texture);
+    const bool differ = has_other_tangents(c, m.normal_map.texture) || has_other_tangents(c, m.coat.normal_texture) ||
+                        has_other_tangents(c, m.microfacets.anisotropy_texture);
     t.features.add(MaterialFeature::map_tangents,
                    m.map_tangents && t.features.has(MaterialFeature::needs_tangent) && differ);
 }
@@ -76,7 +76,7 @@ void compile_tangents(const Compiler& c, const Material& m, MaterialRecord& t)
 bool is_solid(const Material& m, ClosureKind closure)
 {
     // Sheets of glass with attenuation enclose a medium though they are thin.
-    if (m.thin) return m.kind == MaterialKind::glass && m.attenuation_distance > 0;
+    if (m.interior.thin) return m.kind == MaterialKind::glass && m.interior.attenuation_distance > 0;
     return closure == ClosureKind::glass || closure == ClosureKind::layered_transmitting ||
            closure == ClosureKind::disney_transmitting;
 }
@@ -85,9 +85,10 @@ bool is_solid(const Material& m, ClosureKind closure)
 void compile_media(Compiler& c, const Material& m, MaterialRecord& t)
 {
     if (!is_solid(m, t.closure)) return;
-    if (m.kind == MaterialKind::principled && m.subsurface.value > 0) t.subsurface_medium = subsurface_medium(c, m);
+    if (m.kind == MaterialKind::principled && m.subsurface.weight.value > 0)
+        t.subsurface_medium = subsurface_medium(c, m);
     const bool only_subsurface =
-        t.subsurface_medium != 0 && !(m.transmission.value > 0) && !(m.diffuse_transmission.value > 0);
+        t.subsurface_medium != 0 && !(m.transmission.weight.value > 0) && !(m.diffuse_transmission.weight.value > 0);
     const bool is_index_matched = t.features.has_any(MaterialFeature::index_matched_boundary | MaterialFeature::thin);
     t.medium = only_subsurface ? t.subsurface_medium : volume_medium(c, m, is_index_matched);
 }
@@ -95,16 +96,17 @@ void compile_media(Compiler& c, const Material& m, MaterialRecord& t)
 /// Requires the closure and the media.
 void compile_sides(const Material& m, MaterialRecord& t)
 {
-    t.features.add(MaterialFeature::single_sided, m.single_sided && !is_solid(m, t.closure));
-    t.features.add(MaterialFeature::hidden_from_camera, m.hidden_from_camera);
-    t.features.add(MaterialFeature::one_sided, m.one_sided && t.closure != ClosureKind::none && !t.has_inside());
+    t.features.add(MaterialFeature::single_sided, m.visibility.camera_backface_culling && !is_solid(m, t.closure));
+    t.features.add(MaterialFeature::hidden_from_camera, m.visibility.hidden_from_camera);
+    t.features.add(MaterialFeature::one_sided,
+                   m.visibility.black_back && t.closure != ClosureKind::none && !t.has_inside());
 }
 
 MaterialRecord compile_material(Compiler& c, const Material& m)
 {
     MaterialRecord t;
     set_base_color(m.base_color, t);
-    t.features.add(MaterialFeature::thin, m.thin);
+    t.features.add(MaterialFeature::thin, m.interior.thin);
     compile_closure(c, m, t);
     compile_emission(m, t);
     compile_alpha(m, t);
@@ -127,9 +129,9 @@ void propagate_mixture_flags(Compiler& c, std::size_t index)
     if (m.kind != MaterialKind::mix && m.kind != MaterialKind::two_sided) return;
     if (c.tables.materials[index].mixture != no_index) return;
     MixtureRecord mixture;
-    mixture.first = std::uint32_t(m.material_a), mixture.second = std::uint32_t(m.material_b);
+    mixture.first = std::uint32_t(m.mixture.material_a), mixture.second = std::uint32_t(m.mixture.material_b);
     mixture.by_side = m.kind == MaterialKind::two_sided;
-    if (m.kind == MaterialKind::mix) mixture.factor = number(m.factor);
+    if (m.kind == MaterialKind::mix) mixture.factor = number(m.mixture.factor);
     MaterialRecord& t = c.tables.materials[index];
     t.mixture = std::uint32_t(c.tables.mixtures.size());
     c.tables.mixtures.push_back(mixture);

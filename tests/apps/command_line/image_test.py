@@ -131,7 +131,7 @@ class Picture(CommandLine):
         self.refused(2, "render", "box.json", "--view", "top", "--camera", "main", words=["--view"])
         self.scene("bare.json", "empty")
         text = self.ok("render", "bare.json", "--spp", "1").stderr
-        self.assertIn("camera framing the model", text)
+        self.assertIn("a camera that frames the scene", text)
         self.assertIn("at 30,20,100", text)
 
     def test_build(self):

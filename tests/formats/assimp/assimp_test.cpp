@@ -132,14 +132,7 @@ TEST_F(AssimpModule, AnswersKeepEveryMemberOfMaterials)
         ++next;
     };
     for (const Parameter<Material>& p : material_parameters())
-        std::visit(
-            [&](auto member) {
-                if constexpr (requires { member.index; })
-                    change(m.*member.index);
-                else
-                    change(m.*member);
-            },
-            p.member);
+        std::visit([&](auto member) { change(member(m)); }, p.member);
     answer.scene.materials = {m, Material()};
     AssimpAnswer back;
     ASSERT_TRUE(from_bytes(to_bytes(answer), back));
@@ -147,18 +140,17 @@ TEST_F(AssimpModule, AnswersKeepEveryMemberOfMaterials)
     EXPECT_EQ(back.scene.materials[0].name, "all");
     const auto same = [&](const Material& a, const Material& b, auto member) {
         using Member = decltype(member);
-        if constexpr (std::is_same_v<Member, std::vector<RampStop> Material::*> ||
-                      std::is_same_v<Member, Vec2f Material::*> || std::is_same_v<Member, Transform Material::*>)
+        if constexpr (std::is_same_v<Member, Field<Material, std::vector<RampStop>>> ||
+                      std::is_same_v<Member, Field<Material, Vec2f>> ||
+                      std::is_same_v<Member, Field<Material, Transform>>)
             return true;  // only textures have members of these types
-        else if constexpr (requires { member.index; })
-            return a.*member.index == b.*member.index;
-        else if constexpr (requires { (a.*member).channel; })
-            return (a.*member).value == (b.*member).value && (a.*member).texture == (b.*member).texture &&
-                   (a.*member).channel == (b.*member).channel;
-        else if constexpr (requires { (a.*member).texture; })
-            return (a.*member).value == (b.*member).value && (a.*member).texture == (b.*member).texture;
+        else if constexpr (requires { member(a).channel; })
+            return member(a).value == member(b).value && member(a).texture == member(b).texture &&
+                   member(a).channel == member(b).channel;
+        else if constexpr (requires { member(a).texture; })
+            return member(a).value == member(b).value && member(a).texture == member(b).texture;
         else
-            return a.*member == b.*member;
+            return member(a) == member(b);
     };
     for (const Parameter<Material>& p : material_parameters()) {
         const auto kept = [&](auto member) { return same(m, back.scene.materials[0], member); };
@@ -185,7 +177,7 @@ TEST_F(AssimpModule, FbxWithLayers)
     EXPECT_EQ(m.metallic.value, 0.5f);
     EXPECT_EQ(m.roughness.value, 0.25f);
     EXPECT_EQ(m.base_color.value, (Color{0.25f, 0.5f, 0.75f}));
-    EXPECT_EQ(m.emission.value, (Color{4, 2, 0}));
+    EXPECT_EQ(m.emission.radiance.value, (Color{4, 2, 0}));
 }
 
 TEST_F(AssimpModule, FbxWithHeights)
@@ -206,10 +198,10 @@ TEST_F(AssimpModule, FbxWithHeights)
     const SceneDescription scene = load("a.fbx", text);
     ASSERT_FALSE(scene.materials.empty());
     const Material& m = scene.materials[0];
-    ASSERT_GE(m.displacement.texture, 0);
-    EXPECT_EQ(m.displacement.value, 2.5f);
-    EXPECT_EQ(scene.textures.at(std::size_t(m.displacement.texture)).color_space, ColorSpace::linear);
-    EXPECT_EQ(scene.textures.at(std::size_t(m.displacement.texture)).name, "heights.png");
+    ASSERT_GE(m.displacement.height.texture, 0);
+    EXPECT_EQ(m.displacement.height.value, 2.5f);
+    EXPECT_EQ(scene.textures.at(std::size_t(m.displacement.height.texture)).color_space, ColorSpace::linear);
+    EXPECT_EQ(scene.textures.at(std::size_t(m.displacement.height.texture)).name, "heights.png");
 }
 
 TEST_F(AssimpModule, Off)

@@ -267,8 +267,8 @@ TEST_F(MeasuredScenes, OfMitsuba)
 </scene>)");
     expect_both(scene);
     const std::vector<Material> materials = materials_of(scene);
-    EXPECT_TRUE(materials[0].one_sided);
-    EXPECT_FALSE(materials[2].one_sided);
+    EXPECT_TRUE(materials[0].visibility.black_back);
+    EXPECT_FALSE(materials[2].visibility.black_back);
     EXPECT_NE(
         error_of("b.xml", R"(<scene version="3.0.0"><shape type="sphere"><bsdf type="measured"/></shape></scene>)")
             .find("needs a 'filename'"),

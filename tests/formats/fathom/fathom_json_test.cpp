@@ -16,8 +16,8 @@ TEST_F(FathomJson, CornellBox)
     EXPECT_EQ(scene.materials[1].name, "green");
     EXPECT_EQ(scene.materials[1].base_color.value, (Color{.12f, .45f, .15f}));
     EXPECT_EQ(scene.materials[3].kind, MaterialKind::none);
-    EXPECT_EQ(scene.materials[3].emission.value, (Color{15, 15, 15}));
-    EXPECT_FALSE(scene.materials[3].emission_two_sided);
+    EXPECT_EQ(scene.materials[3].emission.radiance.value, (Color{15, 15, 15}));
+    EXPECT_FALSE(scene.materials[3].emission.two_sided);
     ASSERT_EQ(scene.cameras.size(), 1u);
     EXPECT_NEAR(scene.cameras[0].fov_y, 40 * std::numbers::pi / 180, 1e-15);
     EXPECT_EQ(scene.hints.width, 800);
@@ -132,7 +132,7 @@ TEST_F(FathomJson, TexturesByNameAndUse)
     EXPECT_EQ(scene.textures[a.base_color.texture].wrap_u, Wrap::mirror);
     EXPECT_EQ(scene.textures[a.roughness.texture].color_space, ColorSpace::linear);
     EXPECT_EQ(scene.textures[a.roughness.texture].image, scene.textures[a.base_color.texture].image);
-    EXPECT_EQ(scene.textures[a.normal_texture].color_space, ColorSpace::linear);
+    EXPECT_EQ(scene.textures[a.normal_map.texture].color_space, ColorSpace::linear);
     EXPECT_EQ(a.roughness.value, 0.5f);
     EXPECT_EQ(a.roughness.channel, 1);
     EXPECT_EQ(scene.textures[scene.materials[1].base_color.texture].kind, TextureKind::checker_uv);
@@ -146,8 +146,8 @@ TEST_F(FathomJson, Glass)
     for (const Material& m : scene.materials) {
         const bool pane = m.name == "pane";
         EXPECT_EQ(m.kind, MaterialKind::glass);
-        EXPECT_EQ(m.thin, pane);
-        EXPECT_EQ(m.transmission_color.value, (Color{pane ? 0.5f : 1.0f, 1, 1}));
+        EXPECT_EQ(m.interior.thin, pane);
+        EXPECT_EQ(m.transmission.color.value, (Color{pane ? 0.5f : 1.0f, 1, 1}));
     }
 }
 
@@ -255,25 +255,25 @@ TEST_F(FathomJson, EveryKeyOfAMaterial)
     EXPECT_EQ(a.metallic.channel, 0);
     EXPECT_EQ(a.metallic.value, 0.5f);
     EXPECT_EQ(a.ior, 1.25f);
-    EXPECT_EQ(a.emission.value, (Color{1, 2, 3}));
-    EXPECT_TRUE(a.emission_two_sided);
-    EXPECT_EQ(scene.images[std::size_t(scene.textures[std::size_t(a.normal_texture)].image)].name, "n.png");
-    EXPECT_EQ(a.normal_scale, 0.75f);
-    EXPECT_EQ(scene.images[std::size_t(scene.textures[std::size_t(a.alpha.texture)].image)].name, "a.png");
-    EXPECT_EQ(a.alpha.value, 0.25f);
-    EXPECT_EQ(a.alpha.channel, 3);
-    EXPECT_EQ(a.alpha_mode, AlphaMode::mask);
-    EXPECT_EQ(a.alpha_cutoff, 0.125f);
+    EXPECT_EQ(a.emission.radiance.value, (Color{1, 2, 3}));
+    EXPECT_TRUE(a.emission.two_sided);
+    EXPECT_EQ(scene.images[std::size_t(scene.textures[std::size_t(a.normal_map.texture)].image)].name, "n.png");
+    EXPECT_EQ(a.normal_map.scale, 0.75f);
+    EXPECT_EQ(scene.images[std::size_t(scene.textures[std::size_t(a.opacity.alpha.texture)].image)].name, "a.png");
+    EXPECT_EQ(a.opacity.alpha.value, 0.25f);
+    EXPECT_EQ(a.opacity.alpha.channel, 3);
+    EXPECT_EQ(a.opacity.mode, AlphaMode::mask);
+    EXPECT_EQ(a.opacity.cutoff, 0.125f);
     EXPECT_TRUE(a.use_vertex_color);
-    EXPECT_EQ(b.transmission_color.value, (Color{0.4f, 0.5f, 0.6f}));
+    EXPECT_EQ(b.transmission.color.value, (Color{0.4f, 0.5f, 0.6f}));
     EXPECT_EQ(b.ior, 2);
     EXPECT_EQ(b.roughness.value, 0.5f);
-    EXPECT_EQ(b.attenuation_color, (Color{0.7f, 0.8f, 0.9f}));
-    EXPECT_EQ(b.attenuation_distance, 3);
+    EXPECT_EQ(b.interior.attenuation_color, (Color{0.7f, 0.8f, 0.9f}));
+    EXPECT_EQ(b.interior.attenuation_distance, 3);
     EXPECT_EQ(scene.materials[2].fuzz, 0.3f);
     EXPECT_EQ(scene.materials[3].kind, MaterialKind::metal);
     EXPECT_EQ(scene.materials[3].roughness.value, 0.6f);
-    EXPECT_EQ(scene.materials[4].alpha_mode, AlphaMode::blend);
+    EXPECT_EQ(scene.materials[4].opacity.mode, AlphaMode::blend);
     EXPECT_EQ(scene.materials[4].kind, MaterialKind::diffuse);
     EXPECT_EQ(scene.materials[5].kind, MaterialKind::none);
     EXPECT_EQ(scene.materials[6].base_color.value, (Color{3, 2, 1}));
@@ -367,8 +367,8 @@ TEST_F(FathomJson, UnitsOfLight)
                    "W": {"kind": "spot", "intensity": 2, "unit": "W", "color": [1, 0.5, 0]},
                    "sun": {"kind": "directional", "intensity": 1000, "direction": [0, -3, 0], "angle_deg": 0.5}}})");
     constexpr double pi = std::numbers::pi;
-    EXPECT_EQ(scene.materials[0].emission.value.r, 2);
-    EXPECT_NEAR(scene.materials[1].emission.value.r, 683 / pi, 1e-4);
+    EXPECT_EQ(scene.materials[0].emission.radiance.value.r, 2);
+    EXPECT_NEAR(scene.materials[1].emission.radiance.value.r, 683 / pi, 1e-4);
     EXPECT_EQ(scene.lights[0].intensity.g, 5);
     EXPECT_NEAR(scene.lights[1].intensity.g, 100 / (4 * pi), 1e-5);
     EXPECT_NEAR(scene.lights[2].intensity.g, 0.5 * 2 * 683 / (4 * pi), 1e-4);
@@ -437,12 +437,12 @@ TEST_F(FathomJson, Conductors)
     EXPECT_NEAR(m[0].base_color.value.r, 0.9442f, 1e-4f);
     EXPECT_NEAR(m[0].base_color.value.g, 0.7761f, 1e-4f);
     EXPECT_NEAR(m[0].base_color.value.b, 0.3734f, 1e-4f);
-    EXPECT_LT(m[0].edge_color.value.r, 1);
+    EXPECT_LT(m[0].conductor.edge_color.value.r, 1);
     EXPECT_EQ(m[1].base_color.value, m[0].base_color.value);
-    EXPECT_EQ(m[1].edge_color.value, m[0].edge_color.value);
+    EXPECT_EQ(m[1].conductor.edge_color.value, m[0].conductor.edge_color.value);
     EXPECT_EQ(m[2].base_color.value, m[0].base_color.value);
-    EXPECT_EQ(m[0].conductor_eta, (Color{0.18299f, 0.42108f, 1.3734f}));
-    EXPECT_EQ(m[1].conductor_k, m[0].conductor_k);
+    EXPECT_EQ(m[0].conductor.eta, (Color{0.18299f, 0.42108f, 1.3734f}));
+    EXPECT_EQ(m[1].conductor.k, m[0].conductor.k);
 }
 
 TEST_F(FathomJson, ModelsAreReadOnceAndTheirMaterialsReplaced)

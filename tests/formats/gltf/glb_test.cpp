@@ -47,7 +47,7 @@ protected:
     /// Mean radiance of the image of the scene's own camera.
     Vec3d mean(SceneDescription scene, std::uint64_t samples)
     {
-        complete_scene(scene, {});
+        add_default_camera(scene, {});
         Warnings warnings;
         RenderSettings settings;
         settings.width = 40, settings.height = 40;
@@ -63,7 +63,7 @@ protected:
     }
     static std::uint64_t fingerprint(SceneDescription scene)
     {
-        complete_scene(scene, {});
+        add_default_camera(scene, {});
         Warnings warnings;
         return Scene::compile(scene, "", warnings).fingerprint();
     }
@@ -106,28 +106,28 @@ TEST_F(SaveGlb, LayersOfMaterials)
     EXPECT_EQ(a.metallic.value, 0.25f);
     EXPECT_EQ(a.roughness.value, 0.75f);
     EXPECT_EQ(a.ior, 1.75f);
-    EXPECT_EQ(a.specular.value, 0.5f);
-    EXPECT_EQ(a.specular_color.value, (Color{1.5f, 1, 0.5f}));
-    EXPECT_EQ(a.coat.value, 0.625f);
-    EXPECT_EQ(a.coat_roughness.value, 0.125f);
-    EXPECT_EQ(a.anisotropy.value, 0.375f);
-    EXPECT_EQ(a.sheen_color.value, (Color{0.5f, 0.75f, 1}));
-    EXPECT_EQ(a.sheen_roughness.value, 0.5f);
-    EXPECT_EQ(a.thin_film.value, 0.25f);
-    EXPECT_EQ(a.thin_film_thickness.value, 500);
-    EXPECT_EQ(a.thin_film_ior, 1.625f);
-    EXPECT_EQ(a.emission.value, (Color{4, 2, 1}));
-    EXPECT_EQ(a.alpha.value, 0.75f);
-    EXPECT_EQ(a.alpha_mode, AlphaMode::blend);
-    EXPECT_EQ(b.transmission.value, 1);
+    EXPECT_EQ(a.specular.weight.value, 0.5f);
+    EXPECT_EQ(a.specular.color.value, (Color{1.5f, 1, 0.5f}));
+    EXPECT_EQ(a.coat.weight.value, 0.625f);
+    EXPECT_EQ(a.coat.roughness.value, 0.125f);
+    EXPECT_EQ(a.microfacets.anisotropy.value, 0.375f);
+    EXPECT_EQ(a.sheen.color.value, (Color{0.5f, 0.75f, 1}));
+    EXPECT_EQ(a.sheen.roughness.value, 0.5f);
+    EXPECT_EQ(a.thin_film.weight.value, 0.25f);
+    EXPECT_EQ(a.thin_film.thickness.value, 500);
+    EXPECT_EQ(a.thin_film.ior, 1.625f);
+    EXPECT_EQ(a.emission.radiance.value, (Color{4, 2, 1}));
+    EXPECT_EQ(a.opacity.alpha.value, 0.75f);
+    EXPECT_EQ(a.opacity.mode, AlphaMode::blend);
+    EXPECT_EQ(b.transmission.weight.value, 1);
     EXPECT_EQ(b.metallic.value, 0);
     EXPECT_EQ(b.ior, 1.25f);
     EXPECT_EQ(b.roughness.value, 0.25f);
-    EXPECT_EQ(b.attenuation_color, (Color{0.5f, 0.75f, 1}));
-    EXPECT_EQ(b.attenuation_distance, 2);
-    EXPECT_FALSE(b.thin);
-    EXPECT_EQ(c.transmission_color.value, (Color{0.5f, 1, 0.25f}));
-    EXPECT_TRUE(c.thin);
+    EXPECT_EQ(b.interior.attenuation_color, (Color{0.5f, 0.75f, 1}));
+    EXPECT_EQ(b.interior.attenuation_distance, 2);
+    EXPECT_FALSE(b.interior.thin);
+    EXPECT_EQ(c.transmission.color.value, (Color{0.5f, 1, 0.25f}));
+    EXPECT_TRUE(c.interior.thin);
     EXPECT_EQ(d.metallic.value, 1);
     EXPECT_EQ(d.roughness.value, 0.5f);
     EXPECT_EQ(again.materials[4].kind, MaterialKind::unlit);
@@ -143,11 +143,11 @@ TEST_F(SaveGlb, TwoRoughnesses)
     ASSERT_EQ(again.materials.size(), 2u);
     for (const Material& m : again.materials) {
         EXPECT_EQ(m.roughness.value, 0.5f);
-        const double a = double(m.anisotropy.value) * double(m.anisotropy.value);
+        const double a = double(m.microfacets.anisotropy.value) * double(m.microfacets.anisotropy.value);
         EXPECT_NEAR(0.25 + 0.75 * a, 0.75 * 0.75, 1e-6);
     }
-    EXPECT_EQ(again.materials[0].anisotropy_rotation, 0);
-    EXPECT_NEAR(again.materials[1].anisotropy_rotation, 1.5707963268, 1e-6);
+    EXPECT_EQ(again.materials[0].microfacets.anisotropy_rotation, 0);
+    EXPECT_NEAR(again.materials[1].microfacets.anisotropy_rotation, 1.5707963268, 1e-6);
     EXPECT_TRUE(has_warning("separable masking-shadowing"));
 }
 
@@ -156,7 +156,7 @@ TEST_F(SaveGlb, RoomsHaveTheirLight)
 {
     const SceneDescription room = of_repository("scenes/cornell-box.json");
     for (const Material& m : saved(room).materials)
-        EXPECT_EQ(m.specular.value, 0) << m.name << ": no boundary reflects";
+        EXPECT_EQ(m.specular.weight.value, 0) << m.name << ": no boundary reflects";
     const Vec3d was = mean(room, 64), is = mean(saved(room), 64);
     EXPECT_NEAR(is.x, was.x, 0.02 * was.x);
     EXPECT_NEAR(is.y, was.y, 0.02 * was.y);

@@ -10,11 +10,11 @@ namespace {
 
 class GltfAnimation : public ImportTest {
 protected:
-    SceneFile read(const std::string& gltf) { return load_scene_file(write("a.gltf", gltf), {}, warnings_); }
+    SceneFileContents read(const std::string& gltf) { return load_scene_file(write("a.gltf", gltf), {}, warnings_); }
     /// The scene at a time of its first animation.
     SceneDescription at(double time_s, const std::string& gltf)
     {
-        SceneFile file = read(gltf);
+        SceneFileContents file = read(gltf);
         const AnimationPlayer player(file.scene, file.rig, 0);
         set_pose(file.scene, player.pose(time_s));
         return file.scene;
@@ -71,7 +71,7 @@ TEST_F(GltfAnimation, NodesMove)
                            animation({{sampler(times, translation), node(0, "translation")},
                                       {sampler(times, rotation), node(0, "rotation")},
                                       {sampler(times, scale, "STEP"), node(0, "scale")}})));
-    const SceneFile file = read(gltf);
+    const SceneFileContents file = read(gltf);
     ASSERT_EQ(file.rig.animations.size(), 1u);
     EXPECT_EQ(file.rig.animations[0].name, "move");
     EXPECT_EQ(file.rig.animations[0].duration(), 2);
@@ -107,7 +107,7 @@ TEST_F(GltfAnimation, WeightsMorphTheirNodeAlone)
     const auto mesh_of = [](const SceneDescription& scene, std::size_t i) {
         return scene.meshes[std::size_t(std::get<MeshInstance>(scene.nodes[i].shapes.at(0).geometry).mesh)];
     };
-    const SceneFile file = read(gltf);
+    const SceneFileContents file = read(gltf);
     for (std::size_t i = 0; i < 2; ++i)
         EXPECT_EQ(mesh_of(file.scene, i).positions[1].z, mesh_of(without, i).positions[1].z);
     const SceneDescription posed = at(0.5, gltf);
@@ -139,7 +139,7 @@ TEST_F(GltfAnimation, SkinsFollowTheirJoints)
     EXPECT_EQ(scene.meshes[0].positions[2].z, 1.5f);
     EXPECT_EQ(world_bounds(scene).max, (Vec3d{1, 1, 3}));
     // The scene's bounds, which frame the camera, include all poses.
-    SceneFile file = read(gltf);
+    SceneFileContents file = read(gltf);
     const AnimationPlayer player(file.scene, file.rig, 0);
     EXPECT_EQ(world_bounds(file.scene, player).max, (Vec3d{1, 1, 6}));
 }
@@ -220,9 +220,9 @@ TEST_F(GltfAnimation, PointersMoveNumbers)
     const SceneDescription scene = at(0.5, gltf);
     const Material& m = scene.materials.at(0);
     EXPECT_EQ(m.base_color.value, (Color{0.5f, 0.25f, 0}));
-    EXPECT_EQ(m.alpha.value, 0.75f);
+    EXPECT_EQ(m.opacity.alpha.value, 0.75f);
     EXPECT_EQ(m.roughness.value, 0.25f);
-    EXPECT_EQ(m.emission.value, (Color{5, 0, 2.5f}));
+    EXPECT_EQ(m.emission.radiance.value, (Color{5, 0, 2.5f}));
     EXPECT_EQ(scene.lights.at(0).intensity, (Color{2, 1, 0}));
     EXPECT_EQ(scene.lights[0].inner_angle, 0.25);
     EXPECT_EQ(scene.cameras.at(0).fov_y, 0.75);
@@ -231,7 +231,7 @@ TEST_F(GltfAnimation, PointersMoveNumbers)
         "animations of /materials/*/normalTexture/extensions/KHR_texture_transform/rotation are not supported and are "
         "ignored\nanimations of /materials/*/occlusionTexture/strength are not supported and are ignored\n");
     // Only the emissive strength is animated; its factor comes from the file.
-    EXPECT_EQ(read(gltf).scene.materials[0].emission.value, (Color{0, 10, 0}));
+    EXPECT_EQ(read(gltf).scene.materials[0].emission.radiance.value, (Color{0, 10, 0}));
 }
 
 TEST_F(GltfAnimation, NodesVanishAndComeBack)
@@ -271,7 +271,7 @@ TEST_F(GltfAnimation, DamagedDataIsNamed)
     const int back = b.floats({0, -INFINITY}, "SCALAR"), quaternions = b.floats({0, 0, 0, 1, 0, 0, 0, 1}, "VEC4");
     const auto problem = [&](const std::string& animations) {
         warnings_ = {};
-        SceneFile file = read(b.gltf(fmt::format(
+        SceneFileContents file = read(b.gltf(fmt::format(
             R"("scenes": [{{"nodes": [0]}}], "nodes": [{{"mesh": 0}}], "meshes": [{{"primitives": [{{"attributes": {{"POSITION": {}}}}}]}}], {})",
             mesh, animations)));
         EXPECT_EQ(file.scene.meshes.size(), 1u);
@@ -318,7 +318,7 @@ TEST_F(GltfAnimation, DamagedDataIsNamed)
 
 TEST_F(GltfAnimation, IsFoundByNameOrNumber)
 {
-    SceneFile file;
+    SceneFileContents file;
     file.scene.file = "a.gltf";
     EXPECT_THROW(find_animation(file, ""), Error);
     for (const char* name : {"walk", "run", "0"}) file.rig.animations.emplace_back().name = name;
@@ -341,7 +341,7 @@ TEST_F(GltfAnimation, ReportsAnimationsOfModelsWithinScenes)
     const int mesh = b.triangle(), times = b.floats({0, 1}, "SCALAR"), values = b.floats({0, 0, 0, 1, 1, 1}, "VEC3");
     write("m.gltf", b.one_primitive(fmt::format(R"("attributes": {{"POSITION": {}}})", mesh),
                                     animation({{sampler(times, values), node(0, "translation")}})));
-    const SceneFile file =
+    const SceneFileContents file =
         load_scene_file(write("s.json", R"({"fathom": 1, "scene": [{"model": "m.gltf"}]})"), {}, warnings_);
     EXPECT_TRUE(file.rig.animations.empty());
     EXPECT_NE(warning().find("animations of a model within a scene are not supported"), std::string::npos);

@@ -27,7 +27,7 @@ protected:
     {
         LoadOptions options;
         options.variant = variant;
-        const SceneFile file = load_scene_file(write("a.gltf", gltf), options, warnings_);
+        const SceneFileContents file = load_scene_file(write("a.gltf", gltf), options, warnings_);
         EXPECT_EQ(file.variants, (std::vector<std::string>{"dawn", "noon", "dusk"}));
         return file.scene.materials.at(std::size_t(file.scene.nodes.at(0).shapes.at(0).material)).name;
     }
@@ -105,7 +105,7 @@ TEST_F(GltfChoices, UnknownAndBrokenVariants)
 
 TEST_F(GltfChoices, ScenesAreListed)
 {
-    const SceneFile file = load_scene_file(
+    const SceneFileContents file = load_scene_file(
         write("a.gltf", R"({"asset": {"version": "2.0"}, "scene": 1, "scenes": [{"name": "a"}, {}], "nodes": [{}]})"),
         {}, warnings_);
     EXPECT_EQ(file.scenes, (std::vector<std::string>{"a", "1"}));

@@ -48,15 +48,15 @@ TEST_F(GltfLayers, NoneByDefault)
 {
     const Material m = material("");
     EXPECT_EQ(m.kind, MaterialKind::principled);
-    EXPECT_EQ(m.coat.value, 0);
-    EXPECT_EQ(m.sheen_color.value, (Color{0, 0, 0}));
-    EXPECT_EQ(m.transmission.value, 0);
-    EXPECT_EQ(m.diffuse_transmission.value, 0);
-    EXPECT_EQ(m.thin_film.value, 0);
-    EXPECT_EQ(m.anisotropy.value, 0);
-    EXPECT_EQ(m.specular.value, 1);
+    EXPECT_EQ(m.coat.weight.value, 0);
+    EXPECT_EQ(m.sheen.color.value, (Color{0, 0, 0}));
+    EXPECT_EQ(m.transmission.weight.value, 0);
+    EXPECT_EQ(m.diffuse_transmission.weight.value, 0);
+    EXPECT_EQ(m.thin_film.weight.value, 0);
+    EXPECT_EQ(m.microfacets.anisotropy.value, 0);
+    EXPECT_EQ(m.specular.weight.value, 1);
     EXPECT_EQ(m.ior, 1.5f);
-    EXPECT_TRUE(m.sheen_reciprocal);
+    EXPECT_TRUE(m.sheen.reciprocal);
 }
 TEST_F(GltfLayers, Clearcoat)
 {
@@ -64,28 +64,28 @@ TEST_F(GltfLayers, Clearcoat)
         extended(R"("KHR_materials_clearcoat": {"clearcoatFactor": 0.75, "clearcoatTexture": {"index": 0},
         "clearcoatRoughnessFactor": 0.125, "clearcoatRoughnessTexture": {"index": 0},
         "clearcoatNormalTexture": {"index": 0, "scale": 2}})");
-    expect(m.coat, 0.75f, 0, "coat");
-    expect(m.coat_roughness, 0.125f, 1, "roughness");
-    ASSERT_GE(m.coat_normal_texture, 0);
-    EXPECT_EQ(scene_.textures[std::size_t(m.coat_normal_texture)].color_space, ColorSpace::linear);
-    EXPECT_EQ(m.coat_normal_scale, 2);
-    EXPECT_EQ(m.normal_texture, -1);
-    EXPECT_EQ(m.coat_darkening, 0);
-    EXPECT_EQ(m.coat_ior, 1.5f);
+    expect(m.coat.weight, 0.75f, 0, "coat");
+    expect(m.coat.roughness, 0.125f, 1, "roughness");
+    ASSERT_GE(m.coat.normal_texture, 0);
+    EXPECT_EQ(scene_.textures[std::size_t(m.coat.normal_texture)].color_space, ColorSpace::linear);
+    EXPECT_EQ(m.coat.normal_scale, 2);
+    EXPECT_EQ(m.normal_map.texture, -1);
+    EXPECT_EQ(m.coat.darkening, 0);
+    EXPECT_EQ(m.coat.ior, 1.5f);
 }
 TEST_F(GltfLayers, Sheen)
 {
     const Material m = extended(R"("KHR_materials_sheen": {"sheenColorFactor": [0.5, 0.25, 0.125],
         "sheenColorTexture": {"index": 0}, "sheenRoughnessFactor": 0.375, "sheenRoughnessTexture": {"index": 0}})");
-    expect(m.sheen_color, {0.5f, 0.25f, 0.125f}, "color");
-    expect(m.sheen_roughness, 0.375f, 3, "roughness");
+    expect(m.sheen.color, {0.5f, 0.25f, 0.125f}, "color");
+    expect(m.sheen.roughness, 0.375f, 3, "roughness");
 }
 TEST_F(GltfLayers, Specular)
 {
     const Material m = extended(R"("KHR_materials_specular": {"specularFactor": 0.5, "specularTexture": {"index": 0},
         "specularColorFactor": [1.5, 0.25, 0.125], "specularColorTexture": {"index": 0}}, "KHR_materials_ior": {"ior": 1.75})");
-    expect(m.specular, 0.5f, 3, "strength");
-    expect(m.specular_color, {1.5f, 0.25f, 0.125f}, "color");
+    expect(m.specular.weight, 0.5f, 3, "strength");
+    expect(m.specular.color, {1.5f, 0.25f, 0.125f}, "color");
     EXPECT_EQ(m.ior, 1.75f);
 }
 TEST_F(GltfLayers, IorOfZeroReflectsAllThatItMay)
@@ -94,26 +94,26 @@ TEST_F(GltfLayers, IorOfZeroReflectsAllThatItMay)
         R"("KHR_materials_ior": {"ior": 0}, "KHR_materials_specular": {"specularColorFactor": [0.2, 0.3, 0.4]})");
     const float root = (m.ior - 1) / (m.ior + 1);
     EXPECT_NEAR(root * root, 1, 1e-3);
-    EXPECT_EQ(m.specular_color.value, (Color{0.2f, 0.3f, 0.4f}));
+    EXPECT_EQ(m.specular.color.value, (Color{0.2f, 0.3f, 0.4f}));
 }
 TEST_F(GltfLayers, TransmissionOfASheet)
 {
     const Material m =
         extended(R"("KHR_materials_transmission": {"transmissionFactor": 0.375, "transmissionTexture": {"index": 0}})");
     EXPECT_EQ(m.kind, MaterialKind::principled);
-    expect(m.transmission, 0.375f, 0, "transmission");
-    EXPECT_EQ(m.transmission_color.value, (Color{0.5f, 0.25f, 1}));
-    EXPECT_TRUE(m.thin);
+    expect(m.transmission.weight, 0.375f, 0, "transmission");
+    EXPECT_EQ(m.transmission.color.value, (Color{0.5f, 0.25f, 1}));
+    EXPECT_TRUE(m.interior.thin);
 }
 TEST_F(GltfLayers, TransmissionOfASolid)
 {
     const Material m = extended(R"("KHR_materials_transmission": {"transmissionFactor": 1},
         "KHR_materials_volume": {"thicknessFactor": 1, "attenuationColor": [0.5, 1, 0.25], "attenuationDistance": 2},
         "KHR_materials_dispersion": {"dispersion": 0.5})");
-    EXPECT_FALSE(m.thin);
-    EXPECT_EQ(m.attenuation_color, (Color{0.5f, 1, 0.25f}));
-    EXPECT_EQ(m.attenuation_distance, 2);
-    EXPECT_EQ(m.dispersion, 0.5f);
+    EXPECT_FALSE(m.interior.thin);
+    EXPECT_EQ(m.interior.attenuation_color, (Color{0.5f, 1, 0.25f}));
+    EXPECT_EQ(m.interior.attenuation_distance, 2);
+    EXPECT_EQ(m.transmission.dispersion, 0.5f);
 }
 TEST_F(GltfLayers, ScatterWithinAVolume)
 {
@@ -121,49 +121,49 @@ TEST_F(GltfLayers, ScatterWithinAVolume)
         "KHR_materials_volume": {"thicknessFactor": 1, "attenuationColor": [0.5, 1, 0.25], "attenuationDistance": 2},
         "KHR_materials_volume_scatter": {"multiscatterColor": [0, 1, 0.6], "scatterAnisotropy": 0.25})";
     const Material m = extended(json);
-    EXPECT_EQ(m.attenuation_distance, 2);
-    EXPECT_EQ(m.transmission_scatter_anisotropy, 0.25f);
-    EXPECT_EQ(m.transmission_scatter.r, 0);
-    EXPECT_EQ(m.transmission_scatter.g, 0);
+    EXPECT_EQ(m.interior.attenuation_distance, 2);
+    EXPECT_EQ(m.interior.scatter_anisotropy, 0.25f);
+    EXPECT_EQ(m.interior.scatter.r, 0);
+    EXPECT_EQ(m.interior.scatter.g, 0);
     // KHR_materials_volume_scatter: 1 - (4.09712 + 4.20863 m - sqrt(9.59217 + 41.6808 m + 17.7126 m^2))^2 times ln 4.
-    EXPECT_NEAR(m.transmission_scatter.b, 0.951179 * std::log(4.0), 1e-4);
+    EXPECT_NEAR(m.interior.scatter.b, 0.951179 * std::log(4.0), 1e-4);
 }
 TEST_F(GltfLayers, DiffuseTransmission)
 {
     const Material m = extended(R"("KHR_materials_diffuse_transmission": {"diffuseTransmissionFactor": 0.25,
         "diffuseTransmissionTexture": {"index": 0}, "diffuseTransmissionColorFactor": [0.5, 0.75, 0.125],
         "diffuseTransmissionColorTexture": {"index": 0}})");
-    expect(m.diffuse_transmission, 0.25f, 3, "share");
-    expect(m.diffuse_transmission_color, {0.5f, 0.75f, 0.125f}, "color");
-    EXPECT_EQ(m.transmission.value, 0);
+    expect(m.diffuse_transmission.weight, 0.25f, 3, "share");
+    expect(m.diffuse_transmission.color, {0.5f, 0.75f, 0.125f}, "color");
+    EXPECT_EQ(m.transmission.weight.value, 0);
 }
 TEST_F(GltfLayers, Iridescence)
 {
     Material m = extended(R"("KHR_materials_iridescence": {"iridescenceFactor": 0.5, "iridescenceTexture": {"index": 0},
         "iridescenceIor": 1.75, "iridescenceThicknessMinimum": 200, "iridescenceThicknessMaximum": 500,
         "iridescenceThicknessTexture": {"index": 0}})");
-    expect(m.thin_film, 0.5f, 0, "film");
-    EXPECT_EQ(m.thin_film_ior, 1.75f);
-    EXPECT_EQ(m.thin_film_thickness.value, 1);
-    ASSERT_GE(m.thin_film_thickness.texture, 0);
-    const Texture& range = scene_.textures[std::size_t(m.thin_film_thickness.texture)];
+    expect(m.thin_film.weight, 0.5f, 0, "film");
+    EXPECT_EQ(m.thin_film.ior, 1.75f);
+    EXPECT_EQ(m.thin_film.thickness.value, 1);
+    ASSERT_GE(m.thin_film.thickness.texture, 0);
+    const Texture& range = scene_.textures[std::size_t(m.thin_film.thickness.texture)];
     EXPECT_EQ(range.kind, TextureKind::mix);
     EXPECT_EQ(range.color_a.value.g, 200);
     EXPECT_EQ(range.color_b.value.g, 500);
     expect(range.factor, 1, 1, "thickness");
     // Without a texture the maximum thickness is used.
     m = extended(R"("KHR_materials_iridescence": {"iridescenceFactor": 1})");
-    EXPECT_EQ(m.thin_film_thickness.value, 400);
-    EXPECT_EQ(m.thin_film_thickness.texture, -1);
-    EXPECT_EQ(m.thin_film_ior, 1.3f);
+    EXPECT_EQ(m.thin_film.thickness.value, 400);
+    EXPECT_EQ(m.thin_film.thickness.texture, -1);
+    EXPECT_EQ(m.thin_film.ior, 1.3f);
 }
 TEST_F(GltfLayers, Anisotropy)
 {
     const Material m = extended(R"("KHR_materials_anisotropy": {"anisotropyStrength": 0.625, "anisotropyRotation": 0.5,
         "anisotropyTexture": {"index": 0}})");
-    expect(m.anisotropy, 0.625f, 2, "strength");
-    EXPECT_EQ(m.anisotropy_rotation, 0.5);
-    EXPECT_EQ(m.anisotropy_texture, m.anisotropy.texture);
+    expect(m.microfacets.anisotropy, 0.625f, 2, "strength");
+    EXPECT_EQ(m.microfacets.anisotropy_rotation, 0.5);
+    EXPECT_EQ(m.microfacets.anisotropy_texture, m.microfacets.anisotropy.texture);
 }
 TEST_F(GltfLayers, SpecularGlossiness)
 {
@@ -173,7 +173,7 @@ TEST_F(GltfLayers, SpecularGlossiness)
         "specularGlossinessTexture": {"index": 0}}})");
     EXPECT_EQ(m.metallic.value, 0);
     expect(m.base_color, {0.5f, 0.25f, 0.125f}, "diffuse");
-    expect(m.specular_color, {0.3f, 0.2f, 0.1f}, "specular");
+    expect(m.specular.color, {0.3f, 0.2f, 0.1f}, "specular");
     EXPECT_GT(m.ior, 1000);
     ASSERT_GE(m.roughness.texture, 0);
     const Texture& rough = scene_.textures[std::size_t(m.roughness.texture)];

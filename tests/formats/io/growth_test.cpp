@@ -26,7 +26,7 @@ protected:
                 const std::clock_t start = std::clock();
                 Warnings warnings;
                 SceneDescription scene = load_scene(file, {}, warnings);
-                complete_scene(scene, {});
+                add_default_camera(scene, {});
                 least = std::min(least, double(std::clock() - start) / CLOCKS_PER_SEC);
             }
             return least;

@@ -177,12 +177,12 @@ TEST_F(TextFiles, CommentsBehindEveryLineOfAnObj)
         EXPECT_EQ(material(1).base_color.value, (Color{0, 0.5f, 0}));
         const Material red = material(0);
         EXPECT_EQ(red.base_color.value, (Color{0.75f, 0, 0}));
-        EXPECT_EQ(red.alpha.value, 0.25f);
+        EXPECT_EQ(red.opacity.alpha.value, 0.25f);
         const auto picture = [&](int texture) {
             return scene.images.at(std::size_t(scene.textures.at(std::size_t(texture)).image)).path.filename();
         };
         EXPECT_EQ(picture(red.base_color.texture), "wood.png");
-        EXPECT_EQ(picture(red.alpha.texture), "no#comment.png");
+        EXPECT_EQ(picture(red.opacity.alpha.texture), "no#comment.png");
     }
     EXPECT_EQ(warning_count("missing"), 0u);
     EXPECT_EQ(warning_count("no material"), 0u);

@@ -51,7 +51,7 @@ TEST_F(MitsubaLegacy, DefaultsKeepTheirNames)
 TEST_F(MitsubaLegacy, OneNumberIsWhiteAndSrgbIsEncoded)
 {
     const auto radiance = [&](const std::string& value) {
-        return old_bsdf("<emitter type=\"area\">" + value + "</emitter>").emission.value;
+        return old_bsdf("<emitter type=\"area\">" + value + "</emitter>").emission.radiance.value;
     };
     expect_color(radiance(R"(<spectrum name="radiance" value="12"/>)"), 12, 12, 12);
     expect_color(radiance(R"(<rgb name="radiance" value="0.5, 0.5, 1"/>)"), 0.5, 0.5, 1);
@@ -122,17 +122,17 @@ TEST_F(MitsubaLegacy, PhongAndWardAreTwoMaterials)
     const Material phong = old_bsdf(R"(<bsdf type="phong"><float name="exponent" value="20"/>
 <rgb name="diffuseReflectance" value="0.4 0.2 0"/><rgb name="specularReflectance" value="0.2 0.1 0"/></bsdf>)");
     ASSERT_EQ(phong.kind, MaterialKind::mix);
-    EXPECT_FLOAT_EQ(phong.factor.value, 0.2f);
-    const Material &body = part(phong.material_a), &gloss = part(phong.material_b);
+    EXPECT_FLOAT_EQ(phong.mixture.factor.value, 0.2f);
+    const Material &body = part(phong.mixture.material_a), &gloss = part(phong.mixture.material_b);
     expect_color(body.base_color.value, 0.5, 0.25, 0);
-    expect_color(gloss.coat_color.value, 1, 0.5, 0);
+    expect_color(gloss.coat.color.value, 1, 0.5, 0);
     EXPECT_NEAR(std::pow(gloss.roughness.value, 4), 2.0 / 82, 1e-6);
-    EXPECT_TRUE(body.one_sided && gloss.one_sided);
+    EXPECT_TRUE(body.visibility.black_back && gloss.visibility.black_back);
     EXPECT_TRUE(has_warning("is approximated by a mix of a diffuse material and rough metal"));
     const Material ward = old_bsdf(R"(<bsdf type="ward"><spectrum name="diffuseReflectance" value="0"/>
 <rgb name="specularReflectance" value="0.6 0.4 0.3"/><float name="alpha" value="0.25"/></bsdf>)");
     EXPECT_EQ(ward.kind, MaterialKind::principled) << "nothing of it is diffuse";
-    expect_color(ward.coat_color.value, 0.6, 0.4, 0.3);
+    expect_color(ward.coat.color.value, 0.6, 0.4, 0.3);
     EXPECT_FLOAT_EQ(ward.roughness.value, 0.5f);
     const Material matt = old_bsdf(R"(<bsdf type="phong"><spectrum name="specularReflectance" value="0"/></bsdf>)");
     EXPECT_EQ(matt.kind, MaterialKind::diffuse);
@@ -145,18 +145,18 @@ TEST_F(MitsubaLegacy, OtherBsdfs)
     EXPECT_EQ(rough.kind, MaterialKind::diffuse);
     EXPECT_NEAR(rough.roughness.value, 0.5 / std::sqrt(2.0), 1e-6);
     const Material sheet = old_bsdf(R"(<bsdf type="difftrans"><rgb name="transmittance" value="0.1 0.2 0.3"/></bsdf>)");
-    EXPECT_EQ(sheet.diffuse_transmission.value, 1);
-    expect_color(sheet.diffuse_transmission_color.value, 0.1, 0.2, 0.3);
-    EXPECT_FALSE(sheet.one_sided);
+    EXPECT_EQ(sheet.diffuse_transmission.weight.value, 1);
+    expect_color(sheet.diffuse_transmission.color.value, 0.1, 0.2, 0.3);
+    EXPECT_FALSE(sheet.visibility.black_back);
     const auto diffuse = [](const char* red) {
         return std::string(R"(<bsdf type="diffuse"><rgb name="reflectance" value=")") + red + " 0 0\"/></bsdf>";
     };
     const Material three = old_bsdf(R"(<bsdf type="mixturebsdf"><string name="weights" value="0.2, 0.3, 0.5"/>)" +
                                     diffuse("0.1") + diffuse("0.2") + diffuse("0.3") + "</bsdf>");
     ASSERT_EQ(three.kind, MaterialKind::mix);
-    EXPECT_FLOAT_EQ(three.factor.value, 0.8f);
-    EXPECT_FLOAT_EQ(part(three.material_b).factor.value, 0.625f);
-    expect_color(part(part(three.material_b).material_b).base_color.value, 0.3, 0, 0);
+    EXPECT_FLOAT_EQ(three.mixture.factor.value, 0.8f);
+    EXPECT_FLOAT_EQ(part(three.mixture.material_b).factor.value, 0.625f);
+    expect_color(part(part(three.mixture.material_b).material_b).base_color.value, 0.3, 0, 0);
     EXPECT_EQ(
         error_of("a.xml",
                  old_scene_of(R"(<shape type="sphere"><bsdf type="mixturebsdf"><string name="weights" value="1, 2"/>)" +

@@ -32,7 +32,7 @@ TEST_F(Mitsuba, Emitters)
     EXPECT_EQ(scene.lights.at(1).falloff, SpotFalloff::linear);
     expect_near(normalize(node_of(2).parent_from_node.vector({0, 0, -1})), {0, -1, 0});
     expect_color(scene.lights.at(2).intensity, 7, 7, 7);
-    expect_color(material_of(scene).emission.value, 4, 5, 6);
+    expect_color(material_of(scene).emission.radiance.value, 4, 5, 6);
     // A shape without a BSDF only emits.
     expect_color(material_of(scene).base_color.value, 0, 0, 0);
 }
@@ -61,7 +61,7 @@ TEST_F(Mitsuba, DirectionalArea)
     expect_near(normalize(place_of(0).vector({0, 0, -1})), {1, 0, 0});
     expect_near(place_of(0).point({1, 1, 0}), {5, 3, -2});
     expect_near(place_of(1).vector({0, 0, -1}), {0, 0, -1});
-    expect_color(material_of(scene).emission.value, 0, 0, 0);
+    expect_color(material_of(scene).emission.radiance.value, 0, 0, 0);
     EXPECT_TRUE(has_warning("on rectangles and disks only"));
 }
 

@@ -16,12 +16,12 @@ TEST_F(Mitsuba, Interiors)
         read(R"(<shape type="sphere"><bsdf type="dielectric"/><medium type="homogeneous" name="interior">
 <rgb name="sigma_t" value="1 2 4"/><rgb name="albedo" value="0 0.5 0"/><float name="scale" value="3"/></medium></shape>)");
     const Material& m = material_of(scene);
-    const auto sigma = [&](float left) { return -std::log(left) / m.attenuation_distance; };
-    EXPECT_NEAR(sigma(m.attenuation_color.r), 3, 1e-4);
-    EXPECT_NEAR(sigma(m.attenuation_color.g), 6, 1e-4);
-    EXPECT_NEAR(sigma(m.attenuation_color.b), 12, 1e-4);
-    EXPECT_NEAR(m.transmission_scatter.g / m.attenuation_distance, 3, 1e-4);
-    EXPECT_TRUE(m.transmission_scatter_bounces);
+    const auto sigma = [&](float left) { return -std::log(left) / m.interior.attenuation_distance; };
+    EXPECT_NEAR(sigma(m.interior.attenuation_color.r), 3, 1e-4);
+    EXPECT_NEAR(sigma(m.interior.attenuation_color.g), 6, 1e-4);
+    EXPECT_NEAR(sigma(m.interior.attenuation_color.b), 12, 1e-4);
+    EXPECT_NEAR(m.interior.scatter.g / m.interior.attenuation_distance, 3, 1e-4);
+    EXPECT_TRUE(m.interior.scatter_bounces);
 }
 
 /// A null interface keeps the medium of its shape.
@@ -33,12 +33,12 @@ TEST_F(Mitsuba, InteriorsBehindNull)
     const Material& m = material_of(scene);
     EXPECT_EQ(m.kind, MaterialKind::glass);
     EXPECT_EQ(m.ior, 1);
-    EXPECT_NEAR(m.transmission_scatter.r / m.attenuation_distance, 2 * 0.75, 1e-4);
+    EXPECT_NEAR(m.interior.scatter.r / m.interior.attenuation_distance, 2 * 0.75, 1e-4);
     EXPECT_FALSE(has_warning("solid of index 1"));
     const Material sheet =
         material_of(read(fmt::format(R"(<shape type="sphere"><bsdf type="thindielectric"/>{})", medium)));
-    EXPECT_TRUE(sheet.thin);
-    EXPECT_NEAR(sheet.transmission_scatter.r / sheet.attenuation_distance, 2 * 0.75, 1e-4);
+    EXPECT_TRUE(sheet.interior.thin);
+    EXPECT_NEAR(sheet.interior.scatter.r / sheet.interior.attenuation_distance, 2 * 0.75, 1e-4);
     read(fmt::format(R"(<shape type="sphere"><bsdf type="diffuse"/>{})", medium));
     EXPECT_TRUE(has_warning("is supported inside glass only"));
 }
@@ -61,10 +61,10 @@ TEST_F(Mitsuba, MediumAroundTheCamera)
     EXPECT_NEAR(ball.center.x, 4, 1e-6);
     EXPECT_NEAR(ball.radius, std::sqrt(10 * 10 + 2 * 2 + 2 * 2), 1e-6);
     const Material& m = scene.materials.at(std::size_t(around.material));
-    EXPECT_EQ(m.priority, -1000);
+    EXPECT_EQ(m.interior.priority, -1000);
     EXPECT_EQ(m.ior, 1);
-    EXPECT_NEAR(-std::log(m.attenuation_color.r) / m.attenuation_distance, 2, 1e-4);
-    EXPECT_NEAR(m.transmission_scatter.r / m.attenuation_distance, 2 * 0.75, 1e-4);
+    EXPECT_NEAR(-std::log(m.interior.attenuation_color.r) / m.interior.attenuation_distance, 2, 1e-4);
+    EXPECT_NEAR(m.interior.scatter.r / m.interior.attenuation_distance, 2 * 0.75, 1e-4);
     read(std::string(fog) + camera_in_fog + R"(<emitter type="constant"/>)");
     EXPECT_TRUE(has_warning("the environment is outside"));
 }

@@ -34,47 +34,48 @@ protected:
 TEST_F(MitsubaOpacity, EmissionIsNotScaled)
 {
     const auto shown = [](const Material& m) {
-        return m.alpha_mode == AlphaMode::opaque ? m.emission.value.r : m.emission.value.r * m.alpha.value;
+        return m.opacity.mode == AlphaMode::opaque ? m.emission.radiance.value.r
+                                                   : m.emission.radiance.value.r * m.opacity.alpha.value;
     };
     for (const char* opacity : {"0.5", "0.25", "1"}) {
         const Material m = material_of(plate(masked(opacity, red) + lamp));
         EXPECT_NEAR(shown(m), 2, 1e-6) << opacity;
-        EXPECT_FALSE(m.emission_two_sided);
+        EXPECT_FALSE(m.emission.two_sided);
     }
     // Emission of a nearly or fully transparent surface: a thin emissive sheet that transmits all light.
     const Material nothing = material_of(plate(std::string(R"(<bsdf type="null"/>)") + lamp));
     EXPECT_EQ(nothing.kind, MaterialKind::glass);
-    EXPECT_TRUE(nothing.thin);
+    EXPECT_TRUE(nothing.interior.thin);
     EXPECT_EQ(nothing.ior, 1);
-    EXPECT_EQ(nothing.alpha_mode, AlphaMode::opaque);
-    expect_color(nothing.emission.value, 2, 1, 0.5);
+    EXPECT_EQ(nothing.opacity.mode, AlphaMode::opaque);
+    expect_color(nothing.emission.radiance.value, 2, 1, 0.5);
     for (const std::string& bsdf :
          {masked("0.01", red), masked("0", red), "<bsdf type=\"mask\">" + picture("opacity") + red + "</bsdf>"}) {
         const SceneDescription scene = plate(bsdf + lamp);
         const Material& m = material_of(scene);
         ASSERT_EQ(m.kind, MaterialKind::mix) << bsdf;
-        EXPECT_EQ(m.alpha_mode, AlphaMode::opaque);
-        expect_color(m.emission.value, 2, 1, 0.5);
-        EXPECT_EQ(part(scene, m.material_a).ior, 1);
-        EXPECT_EQ(part(scene, m.material_b).kind, MaterialKind::diffuse);
-        EXPECT_EQ(part(scene, m.material_b).alpha_mode, AlphaMode::opaque);
+        EXPECT_EQ(m.opacity.mode, AlphaMode::opaque);
+        expect_color(m.emission.radiance.value, 2, 1, 0.5);
+        EXPECT_EQ(part(scene, m.mixture.material_a).ior, 1);
+        EXPECT_EQ(part(scene, m.mixture.material_b).kind, MaterialKind::diffuse);
+        EXPECT_EQ(part(scene, m.mixture.material_b).alpha_mode, AlphaMode::opaque);
     }
 }
 
 TEST_F(MitsubaOpacity, MasksMultiply)
 {
-    EXPECT_NEAR(bsdf(masked("0.5", masked("0.6", red))).alpha.value, 0.3, 1e-6);
-    EXPECT_EQ(bsdf(masked("0.5", R"(<bsdf type="null"/>)")).alpha.value, 0)
+    EXPECT_NEAR(bsdf(masked("0.5", masked("0.6", red))).opacity.alpha.value, 0.3, 1e-6);
+    EXPECT_EQ(bsdf(masked("0.5", R"(<bsdf type="null"/>)")).opacity.alpha.value, 0)
         << "a masked null bsdf is fully transparent";
     const SceneDescription scene = plate("<bsdf type=\"mask\">" + picture("opacity") + "<bsdf type=\"mask\">" +
                                          picture("opacity", raw) + red + "</bsdf></bsdf>");
-    const FloatInput& alpha = material_of(scene).alpha;
+    const FloatInput& alpha = material_of(scene).opacity.alpha;
     ASSERT_GE(alpha.texture, 0);
     EXPECT_EQ(scene.textures.at(std::size_t(alpha.texture)).kind, TextureKind::scale);
     EXPECT_NEAR(
         bsdf(fmt::format(R"(<bsdf type="blendbsdf"><float name="weight" value="0.25"/>{}<bsdf type="null"/></bsdf>)",
                          masked("0.4", red)))
-            .alpha.value,
+            .opacity.alpha.value,
         0.3, 1e-6);
 }
 
@@ -84,18 +85,18 @@ TEST_F(MitsubaOpacity, BlendsOfMasks)
 {
     const std::string open = R"(<bsdf type="blendbsdf"><float name="weight" value="0.6"/>)";
     const Material m = bsdf(open + masked("0.5", red) + "<bsdf type=\"conductor\"/></bsdf>");
-    EXPECT_NEAR(m.alpha.value, 0.8, 1e-6);
-    EXPECT_NEAR(m.factor.value, 0.75, 1e-6);
+    EXPECT_NEAR(m.opacity.alpha.value, 0.8, 1e-6);
+    EXPECT_NEAR(m.mixture.factor.value, 0.75, 1e-6);
     const Material alike = bsdf(open + masked("0.5", red) + masked("0.5", R"(<bsdf type="plastic"/>)") + "</bsdf>");
-    EXPECT_EQ(alike.alpha.value, 0.5f);
-    EXPECT_EQ(alike.factor.value, 0.6f);
+    EXPECT_EQ(alike.opacity.alpha.value, 0.5f);
+    EXPECT_EQ(alike.mixture.factor.value, 0.6f);
     const SceneDescription scene =
         plate(open + "<bsdf type=\"mask\">" + picture("opacity") + red + "</bsdf><bsdf type=\"conductor\"/></bsdf>");
     const Material& textured = material_of(scene);
-    EXPECT_EQ(textured.alpha_mode, AlphaMode::opaque);
-    const Material& first = part(scene, textured.material_a);
+    EXPECT_EQ(textured.opacity.mode, AlphaMode::opaque);
+    const Material& first = part(scene, textured.mixture.material_a);
     ASSERT_EQ(first.kind, MaterialKind::mix);
-    EXPECT_EQ(part(scene, first.material_a).ior, 1) << "light goes straight on";
+    EXPECT_EQ(part(scene, first.mixture.material_a).ior, 1) << "light goes straight on";
     EXPECT_TRUE(warnings_.empty());
 }
 
@@ -120,7 +121,8 @@ TEST_F(MitsubaOpacity, BumpsOfMixtures)
           fmt::format(R"(<bsdf type="twosided">{}<bsdf type="plastic"/></bsdf>)", red)}) {
         const SceneDescription scene = plate(map + two + "</bsdf>");
         const Material& m = material_of(scene);
-        for (const int index : {m.material_a, m.material_b}) EXPECT_GE(part(scene, index).bump.texture, 0) << two;
+        for (const int index : {m.mixture.material_a, m.mixture.material_b})
+            EXPECT_GE(part(scene, index).bump.texture, 0) << two;
         const auto plain = std::count_if(scene.materials.begin(), scene.materials.end(), [](const Material& other) {
             return other.kind != MaterialKind::mix && other.kind != MaterialKind::two_sided && other.bump.texture < 0;
         });
@@ -132,10 +134,10 @@ TEST_F(MitsubaOpacity, BumpsOfMixtures)
 /// Mitsuba 3.9.1 decodes 8- and 16-bit images unless `raw` is set; color textures of numbers give their luminance.
 TEST_F(MitsubaOpacity, PicturesForNumbers)
 {
-    const auto input = [&](const std::string& bsdf, FloatInput Material::* member, ColorSpace space) {
+    const auto input = [&](const std::string& bsdf, Field<Material, FloatInput> member, ColorSpace space) {
         const SceneDescription scene = plate(bsdf);
         const Material& m = material_of(scene);
-        FloatInput found = m.*member;
+        FloatInput found = member(m);
         ASSERT_GE(found.texture, 0) << bsdf;
         if (scene.textures[std::size_t(found.texture)].kind == TextureKind::ramp)
             found = scene.textures[std::size_t(found.texture)].factor;
@@ -147,24 +149,26 @@ TEST_F(MitsubaOpacity, PicturesForNumbers)
         const auto with = [&](const char* type, const char* name, const char* inside = "") {
             return fmt::format(R"(<bsdf type="{}">{}{}</bsdf>)", type, picture(name, is_raw ? raw : ""), inside);
         };
-        input(with("roughconductor", "alpha"), &Material::roughness, space);
-        input(with("roughplastic", "alpha"), &Material::roughness, space);
-        input(with("mask", "opacity", red), &Material::alpha, space);
-        input(with("bumpmap", "map", red), &Material::bump, space);
-        const std::pair<const char*, FloatInput Material::*> principled[] = {{"roughness", &Material::roughness},
-                                                                             {"metallic", &Material::metallic},
-                                                                             {"anisotropic", &Material::anisotropy},
-                                                                             {"spec_trans", &Material::transmission},
-                                                                             {"clearcoat", &Material::coat},
-                                                                             {"clearcoat_gloss", &Material::coat_gloss},
-                                                                             {"sheen", &Material::sheen},
-                                                                             {"sheen_tint", &Material::sheen_tint},
-                                                                             {"flatness", &Material::flatness},
-                                                                             {"spec_tint", &Material::specular_tint}};
+        input(with("roughconductor", "alpha"), field<&Material::roughness>, space);
+        input(with("roughplastic", "alpha"), field<&Material::roughness>, space);
+        input(with("mask", "opacity", red), field<&Material::opacity, &Material::Opacity::alpha>, space);
+        input(with("bumpmap", "map", red), field<&Material::bump>, space);
+        const std::pair<const char*, Field<Material, FloatInput>> principled[] = {
+            {"roughness", field<&Material::roughness>},
+            {"metallic", field<&Material::metallic>},
+            {"anisotropic", field<&Material::microfacets, &Material::Microfacets::anisotropy>},
+            {"spec_trans", field<&Material::transmission, &Material::Transmission::weight>},
+            {"clearcoat", field<&Material::coat, &Material::Coat::weight>},
+            {"clearcoat_gloss", field<&Material::disney, &Material::Disney::coat_gloss>},
+            {"sheen", field<&Material::disney, &Material::Disney::sheen>},
+            {"sheen_tint", field<&Material::disney, &Material::Disney::sheen_tint>},
+            {"flatness", field<&Material::disney, &Material::Disney::flatness>},
+            {"spec_tint", field<&Material::disney, &Material::Disney::specular_tint>}};
         for (const auto& [name, member] : principled) input(with("principled", name), member, space);
-        input(with("principledthin", "diff_trans"), &Material::diffuse_transmission, space);
-        input(with("blendbsdf", "weight", R"(<bsdf type="conductor"/><bsdf type="plastic"/>)"), &Material::factor,
-              space);
+        input(with("principledthin", "diff_trans"),
+              field<&Material::diffuse_transmission, &Material::DiffuseTransmission::weight>, space);
+        input(with("blendbsdf", "weight", R"(<bsdf type="conductor"/><bsdf type="plastic"/>)"),
+              field<&Material::mixture, &Material::Mixture::factor>, space);
     }
     EXPECT_TRUE(warnings_.empty());
     // A constant color for a number gives the mean of its channels instead.
@@ -180,7 +184,7 @@ TEST_F(MitsubaOpacity, NormalMapsAreDecoded)
             plate("<bsdf type=\"normalmap\">" + picture("normalmap", more) + red + "</bsdf>");
         // Normals of a map are relative to the surface's own tangents, whatever the map's coordinates are.
         EXPECT_FALSE(material_of(scene).map_tangents);
-        return scene.textures.at(std::size_t(material_of(scene).normal_texture)).color_space;
+        return scene.textures.at(std::size_t(material_of(scene).normal_map.texture)).color_space;
     };
     EXPECT_EQ(space(raw), ColorSpace::linear);
     EXPECT_TRUE(warnings_.empty());
@@ -196,18 +200,18 @@ TEST_F(MitsubaOpacity, BumpsBehindSurfaces)
     const SceneDescription within = plate(two + map + red + end + end);
     const Material& m = material_of(within);
     ASSERT_EQ(m.kind, MaterialKind::two_sided);
-    EXPECT_EQ(part(within, m.material_a).bump.value, 0.25f);
-    EXPECT_EQ(part(within, m.material_b).bump.value, -0.25f);
+    EXPECT_EQ(part(within, m.mixture.material_a).bump.value, 0.25f);
+    EXPECT_EQ(part(within, m.mixture.material_b).bump.value, -0.25f);
     const SceneDescription around = plate(map + two + red + end + end);
     EXPECT_EQ(material_of(around).bump.value, 0.25f);
     EXPECT_NE(material_of(around).kind, MaterialKind::two_sided);
     const SceneDescription other =
         plate(two + red + "<bsdf type=\"normalmap\">" + picture("normalmap", raw) + red + end + end);
-    EXPECT_EQ(part(other, material_of(other).material_b).normal_scale, -1);
-    EXPECT_EQ(part(other, material_of(other).material_a).normal_texture, -1);
+    EXPECT_EQ(part(other, material_of(other).mixture.material_b).normal_scale, -1);
+    EXPECT_EQ(part(other, material_of(other).mixture.material_a).normal_texture, -1);
     const SceneDescription masked_one = plate(two + "<bsdf type=\"mask\">" + map + red + end + end + end);
-    EXPECT_EQ(material_of(masked_one).alpha.value, 0.5f);
-    EXPECT_EQ(part(masked_one, material_of(masked_one).material_a).alpha_mode, AlphaMode::opaque);
+    EXPECT_EQ(material_of(masked_one).opacity.alpha.value, 0.5f);
+    EXPECT_EQ(part(masked_one, material_of(masked_one).mixture.material_a).alpha_mode, AlphaMode::opaque);
 }
 
 /// Mitsuba's frame of a normal map is built from dp/du and the normal, although its rectangles show images upside down.
@@ -241,22 +245,22 @@ TEST_F(MitsubaOpacity, SpecularColors)
         R"(<rgb name="specular_reflectance" value="0.8 0.4 0.1"/><rgb name="specular_transmittance" value="0.2 0.5 1"/>)";
     for (const char* type : {"dielectric", "roughdielectric", "thindielectric"}) {
         const Material m = bsdf(fmt::format(R"(<bsdf type="{}">{}</bsdf>)", type, colors));
-        expect_color(m.specular_color.value, 0.8, 0.4, 0.1);
-        if (m.thin)
-            expect_color(m.transmission_color.value, 0.2, 0.5, 1);
+        expect_color(m.specular.color.value, 0.8, 0.4, 0.1);
+        if (m.interior.thin)
+            expect_color(m.transmission.color.value, 0.2, 0.5, 1);
         else
-            expect_color(m.transmission_color.value, 0.04, 0.25, 1);
+            expect_color(m.transmission.color.value, 0.04, 0.25, 1);
     }
     for (const char* type : {"plastic", "roughplastic"})
         expect_color(
             bsdf(fmt::format(R"(<bsdf type="{}"><rgb name="specular_reflectance" value="0.8 0.4 0.1"/></bsdf>)", type))
-                .specular_color.value,
+                .specular.color.value,
             0.8, 0.4, 0.1);
     const SceneDescription scene = plate("<bsdf type=\"dielectric\">" + picture("specular_transmittance") +
                                          picture("specular_reflectance") + "</bsdf>");
     const Material& m = material_of(scene);
-    EXPECT_GE(m.specular_color.texture, 0);
-    const Texture& square = scene.textures.at(std::size_t(m.transmission_color.texture));
+    EXPECT_GE(m.specular.color.texture, 0);
+    const Texture& square = scene.textures.at(std::size_t(m.transmission.color.texture));
     EXPECT_EQ(square.kind, TextureKind::scale);
     EXPECT_EQ(square.color_a.texture, square.color_b.texture);
     EXPECT_TRUE(warnings_.empty());
@@ -273,7 +277,8 @@ TEST_F(MitsubaOpacity, HiddenEmitters)
         const SceneDescription scene = read(text);
         ASSERT_TRUE(scene.hints.background);
         expect_color(*scene.hints.background, 0, 0, 0);
-        for (const Material& m : scene.materials) EXPECT_EQ(m.hidden_from_camera, m.emission.value.r > 0);
+        for (const Material& m : scene.materials)
+            EXPECT_EQ(m.visibility.hidden_from_camera, m.emission.radiance.value.r > 0);
     }
     EXPECT_TRUE(warnings_.empty());
     EXPECT_FALSE(read(shapes).hints.background);

@@ -32,12 +32,12 @@ TEST_F(Mitsuba, TexturesAsTwoAlphas)
             .materials.at(0);
     };
     const Material m = rough("roughconductor");
-    EXPECT_TRUE(m.two_roughnesses);
-    EXPECT_GE(m.anisotropy.texture, 0) << "along u, where the tangent is";
+    EXPECT_TRUE(m.microfacets.two_roughnesses);
+    EXPECT_GE(m.microfacets.anisotropy.texture, 0) << "along u, where the tangent is";
     EXPECT_NEAR(m.roughness.value, 0.3, 1e-6);
     EXPECT_EQ(m.roughness.texture, -1);
     EXPECT_TRUE(warnings_.empty());
-    EXPECT_FALSE(rough("roughdielectric").two_roughnesses);
+    EXPECT_FALSE(rough("roughdielectric").microfacets.two_roughnesses);
     EXPECT_TRUE(has_warning("anisotropic roughness of glass"));
 }
 
@@ -53,10 +53,11 @@ TEST_F(Mitsuba, InnerReflectanceOfRoughPlastic)
         const Material m = bsdf(fmt::format(R"(<bsdf type="roughplastic"><string name="distribution" value="{}"/>
 <float name="int_ior" value="{}"/><float name="ext_ior" value="1"/><float name="alpha" value="{}"/></bsdf>)",
                                             c.distribution, c.ior, c.alpha));
-        EXPECT_NEAR(m.inner_reflectance, c.expected, 0.0005) << c.distribution << ' ' << c.ior << ' ' << c.alpha;
-        EXPECT_TRUE(m.separable);
+        EXPECT_NEAR(m.plastic.inner_reflectance, c.expected, 0.0005)
+            << c.distribution << ' ' << c.ior << ' ' << c.alpha;
+        EXPECT_TRUE(m.microfacets.separable_masking);
     }
-    EXPECT_LT(bsdf(R"(<bsdf type="plastic"/>)").inner_reflectance, 0);
+    EXPECT_LT(bsdf(R"(<bsdf type="plastic"/>)").plastic.inner_reflectance, 0);
 }
 
 TEST_F(Mitsuba, Conductors)
@@ -69,20 +70,20 @@ TEST_F(Mitsuba, Conductors)
         bsdf(R"(<bsdf type="roughconductor"><string name="material" value="Au"/><float name="alpha" value="0.25"/>
 <string name="distribution" value="ggx"/></bsdf>)");
     EXPECT_NEAR(gold.roughness.value, 0.5, 1e-6) << "alpha is the square of it";
-    EXPECT_FALSE(gold.energy_compensation);
+    EXPECT_FALSE(gold.microfacets.energy_compensation);
     EXPECT_GT(gold.base_color.value.r, 2 * gold.base_color.value.b);
     EXPECT_TRUE(warnings_.empty());
     const Material given = bsdf(R"(<bsdf type="conductor"><rgb name="eta" value="1.5"/><rgb name="k" value="2"/>
 <rgb name="specular_reflectance" value="0.2 0.4 0.6"/></bsdf>)");
     EXPECT_NEAR(given.base_color.value.g, conductor_reflectance(1, 1.5, 2), 1e-6);
-    expect_color(given.conductor_eta, 1.5, 1.5, 1.5);
-    expect_color(given.conductor_k, 2, 2, 2);
-    EXPECT_GT(gold.conductor_k.r, 1);
-    expect_color(mirror.conductor_k, 0, 0, 0);
+    expect_color(given.conductor.eta, 1.5, 1.5, 1.5);
+    expect_color(given.conductor.k, 2, 2, 2);
+    EXPECT_GT(gold.conductor.k.r, 1);
+    expect_color(mirror.conductor.k, 0, 0, 0);
     // specular_reflectance scales the reflected light at every angle.
-    EXPECT_EQ(given.coat_ior, 1);
-    EXPECT_EQ(given.coat.value, 1);
-    expect_color(given.coat_color.value, 0.2, 0.4, 0.6);
+    EXPECT_EQ(given.coat.ior, 1);
+    EXPECT_EQ(given.coat.weight.value, 1);
+    expect_color(given.coat.color.value, 0.2, 0.4, 0.6);
 }
 
 /// Conductor indices may exceed 1, also as spectra.
@@ -103,10 +104,10 @@ TEST_F(Mitsuba, AnisotropicConductors)
                         u, v));
     };
     const auto check = [](const Material& m, double turned) {
-        const double narrow = m.roughness.value * m.roughness.value, a = m.anisotropy.value;
+        const double narrow = m.roughness.value * m.roughness.value, a = m.microfacets.anisotropy.value;
         EXPECT_NEAR(narrow, 0.04, 1e-6);
         EXPECT_NEAR(narrow + (1 - narrow) * a * a, 0.36, 1e-6);
-        EXPECT_NEAR(m.anisotropy_rotation, turned, 1e-12);
+        EXPECT_NEAR(m.microfacets.anisotropy_rotation, turned, 1e-12);
     };
     check(rough("0.36", "0.04"), 0);
     check(rough("0.04", "0.36"), std::numbers::pi / 2);
@@ -117,10 +118,10 @@ TEST_F(Mitsuba, DistributionsOfFacets)
 {
     for (const char* type : {"roughconductor", "roughdielectric", "roughplastic"}) {
         const Material m = bsdf(fmt::format(R"(<bsdf type="{}"><float name="alpha" value="0.09"/></bsdf>)", type));
-        EXPECT_TRUE(m.beckmann) << type;
+        EXPECT_TRUE(m.microfacets.beckmann) << type;
         EXPECT_NEAR(m.roughness.value, 0.3, 1e-6) << type;
-        EXPECT_FALSE(
-            bsdf(fmt::format(R"(<bsdf type="{}"><string name="distribution" value="ggx"/></bsdf>)", type)).beckmann)
+        EXPECT_FALSE(bsdf(fmt::format(R"(<bsdf type="{}"><string name="distribution" value="ggx"/></bsdf>)", type))
+                         .microfacets.beckmann)
             << type;
     }
 }
@@ -132,10 +133,10 @@ TEST_F(Mitsuba, Dielectrics)
 <rgb name="specular_transmittance" value="0.5"/></bsdf>)");
     EXPECT_EQ(glass.kind, MaterialKind::glass);
     EXPECT_NEAR(glass.ior, 1.333, 1e-6);
-    expect_color(glass.transmission_color.value, 0.25, 0.25, 0.25);
+    expect_color(glass.transmission.color.value, 0.25, 0.25, 0.25);
     EXPECT_NEAR(bsdf(R"(<bsdf type="dielectric"/>)").ior, 1.5046 / 1.000277, 1e-6);
     const Material thin = bsdf(R"(<bsdf type="thindielectric"/>)");
-    EXPECT_TRUE(thin.thin);
+    EXPECT_TRUE(thin.interior.thin);
     EXPECT_NE(
         error(R"(<shape type="sphere"><bsdf type="dielectric"><string name="int_ior" value="watr"/></bsdf></shape>)")
             .find("did you mean 'water'?"),
@@ -152,11 +153,11 @@ TEST_F(Mitsuba, Plastic)
     EXPECT_EQ(m.kind, MaterialKind::plastic);
     EXPECT_NEAR(m.roughness.value, 0.3, 1e-6);
     EXPECT_EQ(m.ior, 1.5f);
-    EXPECT_TRUE(m.nonlinear);
-    EXPECT_FALSE(m.energy_compensation);
+    EXPECT_TRUE(m.plastic.nonlinear);
+    EXPECT_FALSE(m.microfacets.energy_compensation);
     const Material smooth = bsdf(R"(<bsdf type="plastic"/>)");
     EXPECT_EQ(smooth.roughness.value, 0);
-    EXPECT_FALSE(smooth.nonlinear);
+    EXPECT_FALSE(smooth.plastic.nonlinear);
 }
 
 TEST_F(Mitsuba, Principled)
@@ -170,65 +171,67 @@ TEST_F(Mitsuba, Principled)
     EXPECT_EQ(m.kind, MaterialKind::disney);
     expect_color(m.base_color.value, 0.1, 0.2, 0.3);
     const std::pair<float, const FloatInput*> expected[] = {
-        {0.3f, &m.roughness},      {0.1f, &m.metallic},     {0.2f, &m.anisotropy}, {0.4f, &m.coat},
-        {0.6f, &m.coat_gloss},     {0.7f, &m.sheen},        {0.8f, &m.sheen_tint}, {0.9f, &m.flatness},
-        {0.15f, &m.specular_tint}, {0.25f, &m.transmission}};
+        {0.3f, &m.roughness},           {0.1f, &m.metallic},          {0.2f, &m.microfacets.anisotropy},
+        {0.4f, &m.coat.weight},         {0.6f, &m.disney.coat_gloss}, {0.7f, &m.disney.sheen},
+        {0.8f, &m.disney.sheen_tint},   {0.9f, &m.disney.flatness},   {0.15f, &m.disney.specular_tint},
+        {0.25f, &m.transmission.weight}};
     for (const auto& [value, input] : expected) EXPECT_NEAR(input->value, value, 1e-6);
     const double normal = (double(m.ior) - 1) / (double(m.ior) + 1);
     EXPECT_NEAR(normal * normal, 0.08 * 0.8, 1e-6);
-    EXPECT_FALSE(m.thin);
-    EXPECT_FALSE(m.one_sided);
+    EXPECT_FALSE(m.interior.thin);
+    EXPECT_FALSE(m.visibility.black_back);
 
     const Material sheet = bsdf(
         R"(<bsdf type="principledthin"><float name="diff_trans" value="0.8"/><float name="eta" value="1.3"/></bsdf>)");
-    EXPECT_TRUE(sheet.thin);
-    EXPECT_EQ(sheet.diffuse_transmission.value, 0.4f);
+    EXPECT_TRUE(sheet.interior.thin);
+    EXPECT_EQ(sheet.diffuse_transmission.weight.value, 0.4f);
     EXPECT_EQ(sheet.ior, 1.3f);
     // Texture values may exceed 1, because diff_trans goes up to 2.
     const SceneDescription scene = read(
         R"(<shape type="sphere"><bsdf type="principledthin"><texture name="diff_trans" type="checkerboard">
 <float name="color0" value="1.5"/><float name="color1" value="0.5"/></texture></bsdf></shape>)");
-    const int checks = material_of(scene).diffuse_transmission.texture;
+    const int checks = material_of(scene).diffuse_transmission.weight.texture;
     ASSERT_GE(checks, 0);
     expect_color(scene.textures[std::size_t(checks)].color_b.value, 1.5, 1.5, 1.5);
     const Material usual = bsdf(R"(<bsdf type="principled"/>)");
     EXPECT_NEAR(usual.ior, 1.5, 1e-6);
     EXPECT_EQ(usual.roughness.value, 0.5f);
-    EXPECT_TRUE(usual.one_sided);
+    EXPECT_TRUE(usual.visibility.black_back);
 }
 
 TEST_F(Mitsuba, Hair)
 {
     const Material usual = bsdf(R"(<bsdf type="hair"/>)");
     EXPECT_EQ(usual.kind, MaterialKind::hair);
-    EXPECT_EQ(usual.eumelanin, 1.3f);
-    EXPECT_EQ(usual.pheomelanin, 0.2f);
-    EXPECT_NEAR(usual.hair_ior, 1.55 / 1.000277, 1e-6);
-    EXPECT_NEAR(usual.scale_tilt, 2 * std::numbers::pi / 180, 1e-9);
+    EXPECT_EQ(usual.hair.eumelanin, 1.3f);
+    EXPECT_EQ(usual.hair.pheomelanin, 0.2f);
+    EXPECT_NEAR(usual.hair.ior, 1.55 / 1.000277, 1e-6);
+    EXPECT_NEAR(usual.hair.scale_tilt, 2 * std::numbers::pi / 180, 1e-9);
     const Material m = bsdf(
         R"(<bsdf type="hair"><float name="longitudinal_roughness" value="0.2"/><float name="scale_tilt" value="4"/>
 <float name="azimuthal_roughness" value="0.4"/><float name="int_ior" value="1.5"/><float name="ext_ior" value="1.25"/>
 <rgb name="sigma_a" value="0.1 0.2 0.3"/><float name="scale" value="5"/></bsdf>)");
-    EXPECT_EQ(m.beta_m.value, 0.2f);
-    EXPECT_EQ(m.beta_n.value, 0.4f);
-    EXPECT_NEAR(m.scale_tilt, 4 * std::numbers::pi / 180, 1e-9);
-    EXPECT_NEAR(m.hair_ior, 1.2, 1e-6);
-    expect_color(m.absorption.value, 0.5, 1, 1.5);
+    EXPECT_EQ(m.hair.beta_m.value, 0.2f);
+    EXPECT_EQ(m.hair.beta_n.value, 0.4f);
+    EXPECT_NEAR(m.hair.scale_tilt, 4 * std::numbers::pi / 180, 1e-9);
+    EXPECT_NEAR(m.hair.ior, 1.2, 1e-6);
+    expect_color(m.hair.absorption.value, 0.5, 1, 1.5);
     expect_color(m.base_color.value, 1, 1, 1);
-    EXPECT_EQ(m.eumelanin, 0);
-    EXPECT_EQ(bsdf(R"(<bsdf type="hair"><float name="eumelanin" value="0.5"/></bsdf>)").pheomelanin, 0.2f);
-    expect_color(bsdf(R"(<bsdf type="hair"><rgb name="sigma_a" value="3 4 5"/></bsdf>)").absorption.value, 3, 4, 5);
+    EXPECT_EQ(m.hair.eumelanin, 0);
+    EXPECT_EQ(bsdf(R"(<bsdf type="hair"><float name="eumelanin" value="0.5"/></bsdf>)").hair.pheomelanin, 0.2f);
+    expect_color(bsdf(R"(<bsdf type="hair"><rgb name="sigma_a" value="3 4 5"/></bsdf>)").hair.absorption.value, 3, 4,
+                 5);
 }
 
 TEST_F(Mitsuba, MasksAndNullBsdfs)
 {
     const Material mask =
         bsdf(R"(<bsdf type="mask"><float name="opacity" value="0.25"/><bsdf type="diffuse"/></bsdf>)");
-    EXPECT_EQ(mask.alpha_mode, AlphaMode::blend);
-    EXPECT_EQ(mask.alpha.value, 0.25f);
+    EXPECT_EQ(mask.opacity.mode, AlphaMode::blend);
+    EXPECT_EQ(mask.opacity.alpha.value, 0.25f);
     const Material none = bsdf(R"(<bsdf type="null"/>)");
-    EXPECT_EQ(none.alpha_mode, AlphaMode::blend);
-    EXPECT_EQ(none.alpha.value, 0);
+    EXPECT_EQ(none.opacity.mode, AlphaMode::blend);
+    EXPECT_EQ(none.opacity.alpha.value, 0);
 }
 
 TEST_F(Mitsuba, Blends)
@@ -240,16 +243,16 @@ TEST_F(Mitsuba, Blends)
         R"(<shape type="sphere"><bsdf type="blendbsdf"><float name="weight" value="0.25"/>{}</bsdf></shape>)", both));
     const Material& m = material_of(scene);
     EXPECT_EQ(m.kind, MaterialKind::mix);
-    EXPECT_EQ(m.factor.value, 0.25f);
-    EXPECT_EQ(scene.materials.at(std::size_t(m.material_a)).kind, MaterialKind::diffuse);
-    EXPECT_EQ(scene.materials.at(std::size_t(m.material_b)).metallic.value, 1);
+    EXPECT_EQ(m.mixture.factor.value, 0.25f);
+    EXPECT_EQ(scene.materials.at(std::size_t(m.mixture.material_a)).kind, MaterialKind::diffuse);
+    EXPECT_EQ(scene.materials.at(std::size_t(m.mixture.material_b)).metallic.value, 1);
     // A blend with `null`: the weight of the null BSDF is the transmitted share.
     const auto alpha = [&](const char* first, const char* second) {
         return bsdf(
                    fmt::format(
                        R"(<bsdf type="blendbsdf"><float name="weight" value="0.25"/><bsdf type="{}"/><bsdf type="{}"/></bsdf>)",
                        first, second))
-            .alpha.value;
+            .opacity.alpha.value;
     };
     EXPECT_EQ(alpha("null", "diffuse"), 0.25f);
     EXPECT_EQ(alpha("diffuse", "null"), 0.75f);
@@ -258,22 +261,23 @@ TEST_F(Mitsuba, Blends)
 /// Without `twosided` a reflective BSDF is black on its back.
 TEST_F(Mitsuba, Sides)
 {
-    EXPECT_TRUE(bsdf(R"(<bsdf type="diffuse"/>)").one_sided);
-    EXPECT_FALSE(bsdf(R"(<bsdf type="dielectric"/>)").one_sided);
-    EXPECT_FALSE(bsdf(R"(<bsdf type="twosided"><bsdf type="diffuse"/></bsdf>)").one_sided);
-    EXPECT_TRUE(bsdf(R"(<bsdf type="mask"><bsdf type="diffuse"/></bsdf>)").one_sided);
-    EXPECT_FALSE(bsdf(R"(<bsdf type="twosided"><bsdf type="mask"><bsdf type="diffuse"/></bsdf></bsdf>)").one_sided);
+    EXPECT_TRUE(bsdf(R"(<bsdf type="diffuse"/>)").visibility.black_back);
+    EXPECT_FALSE(bsdf(R"(<bsdf type="dielectric"/>)").visibility.black_back);
+    EXPECT_FALSE(bsdf(R"(<bsdf type="twosided"><bsdf type="diffuse"/></bsdf>)").visibility.black_back);
+    EXPECT_TRUE(bsdf(R"(<bsdf type="mask"><bsdf type="diffuse"/></bsdf>)").visibility.black_back);
+    EXPECT_FALSE(
+        bsdf(R"(<bsdf type="twosided"><bsdf type="mask"><bsdf type="diffuse"/></bsdf></bsdf>)").visibility.black_back);
     const SceneDescription scene = read(
         R"(<bsdf type="diffuse" id="a"/><shape type="sphere"><ref id="a"/></shape><shape type="sphere"><bsdf type="twosided">
 <ref id="a"/><bsdf type="diffuse"><rgb name="reflectance" value="1 0 0"/></bsdf></bsdf></shape>)");
     const auto of_shape = [&](std::size_t i) -> const Material& {
         return scene.materials.at(std::size_t(scene.nodes.at(std::size_t(scene.roots.at(i))).shapes.at(0).material));
     };
-    EXPECT_TRUE(of_shape(0).one_sided);
+    EXPECT_TRUE(of_shape(0).visibility.black_back);
     EXPECT_EQ(of_shape(1).kind, MaterialKind::two_sided);
-    for (const int part : {of_shape(1).material_a, of_shape(1).material_b})
-        EXPECT_FALSE(scene.materials.at(std::size_t(part)).one_sided);
-    expect_color(scene.materials.at(std::size_t(of_shape(1).material_b)).base_color.value, 1, 0, 0);
+    for (const int part : {of_shape(1).mixture.material_a, of_shape(1).mixture.material_b})
+        EXPECT_FALSE(scene.materials.at(std::size_t(part)).visibility.black_back);
+    expect_color(scene.materials.at(std::size_t(of_shape(1).mixture.material_b)).base_color.value, 1, 0, 0);
     // An emitter without a BSDF reflects nothing.
     expect_color(material_of(read(R"(<shape type="sphere"><emitter type="area"/></shape>)")).base_color.value, 0, 0, 0);
 }
@@ -340,7 +344,7 @@ TEST_F(Mitsuba, BumpsAreHeights)
     const Material m = bsdf(map + R"(<bsdf type="diffuse"/></bsdf>)");
     EXPECT_GE(m.bump.texture, 0);
     EXPECT_EQ(m.bump.value, 0.25f);
-    EXPECT_LT(m.normal_texture, 0);
+    EXPECT_LT(m.normal_map.texture, 0);
     EXPECT_TRUE(warnings_.counts().empty());
 }
 

@@ -149,7 +149,7 @@ TEST_F(Obj, OpacityAndTransparency)
         write("a.mtl", "newmtl m\nKd 0.5 0.5 0.5\n" + lines);
         return load("a.obj", std::string("mtllib a.mtl\nusemtl m\n") + square + "f 1 2 3\n")
             .materials.at(0)
-            .alpha.value;
+            .opacity.alpha.value;
     };
     const auto contradictions = [&] { return warning_count("'d' and 'Tr' contradict each other"); };
     for (const char* lines : {"d 1\nTr 1\n", "Tr 1\nd 1\n", "d 1.0\nTr 0.25\n"}) {
@@ -249,11 +249,11 @@ disp heights.png
     const Material shiny = material("shiny");
     EXPECT_EQ(shiny.kind, MaterialKind::principled);
     EXPECT_NEAR(shiny.roughness.value, std::sqrt(std::sqrt(0.02)), 1e-6);
-    EXPECT_EQ(shiny.alpha.value, 0.5f);
-    EXPECT_EQ(shiny.alpha_mode, AlphaMode::blend);
-    EXPECT_EQ(material("veil").alpha.value, 0.75f);
-    EXPECT_EQ(material("veil").alpha_mode, AlphaMode::blend);
-    EXPECT_EQ(material("lamp").emission.value, (Color{7, 6, 5}));
+    EXPECT_EQ(shiny.opacity.alpha.value, 0.5f);
+    EXPECT_EQ(shiny.opacity.mode, AlphaMode::blend);
+    EXPECT_EQ(material("veil").opacity.alpha.value, 0.75f);
+    EXPECT_EQ(material("veil").opacity.mode, AlphaMode::blend);
+    EXPECT_EQ(material("lamp").emission.radiance.value, (Color{7, 6, 5}));
     EXPECT_EQ(material("glass").kind, MaterialKind::glass);
     EXPECT_EQ(material("glass").ior, 1.33f);
     EXPECT_EQ(material("glass").roughness.value, 0);
@@ -267,22 +267,22 @@ disp heights.png
     EXPECT_EQ(scene.images.at(scene.textures.at(pbr.roughness.texture).image).path, folder_ / "rough map.png");
     const Material layered = material("layered");
     EXPECT_EQ(layered.kind, MaterialKind::principled);
-    EXPECT_EQ(layered.sheen_color.value, (Color{0.5f, 0.5f, 0.5f}));
-    EXPECT_EQ(layered.coat.value, 0.75f);
-    EXPECT_EQ(layered.coat_roughness.value, 0.25f);
-    EXPECT_EQ(layered.coat.channel, 0);
-    EXPECT_EQ(layered.anisotropy.value, 0.4f);
-    EXPECT_NEAR(layered.anisotropy_rotation, std::numbers::pi / 4, 1e-12);
+    EXPECT_EQ(layered.sheen.color.value, (Color{0.5f, 0.5f, 0.5f}));
+    EXPECT_EQ(layered.coat.weight.value, 0.75f);
+    EXPECT_EQ(layered.coat.roughness.value, 0.25f);
+    EXPECT_EQ(layered.coat.weight.channel, 0);
+    EXPECT_EQ(layered.microfacets.anisotropy.value, 0.4f);
+    EXPECT_NEAR(layered.microfacets.anisotropy_rotation, std::numbers::pi / 4, 1e-12);
     const auto map_of = [&](int texture) {
         return scene.images.at(std::size_t(scene.textures.at(std::size_t(texture)).image)).path.filename();
     };
-    EXPECT_EQ(map_of(layered.sheen_color.texture), "fibres.png");
-    EXPECT_EQ(map_of(layered.coat.texture), "coat.png");
-    EXPECT_EQ(map_of(layered.coat_roughness.texture), "coat.png");
-    EXPECT_EQ(map_of(layered.normal_texture), "bumps.png");
+    EXPECT_EQ(map_of(layered.sheen.color.texture), "fibres.png");
+    EXPECT_EQ(map_of(layered.coat.weight.texture), "coat.png");
+    EXPECT_EQ(map_of(layered.coat.roughness.texture), "coat.png");
+    EXPECT_EQ(map_of(layered.normal_map.texture), "bumps.png");
     // A coat without its own roughness keeps the base's roughness from the older keys.
     EXPECT_EQ(material("coated").kind, MaterialKind::principled);
-    EXPECT_EQ(material("coated").coat.value, 1);
+    EXPECT_EQ(material("coated").coat.weight.value, 1);
     EXPECT_EQ(material("plain").kind, MaterialKind::diffuse);
     const Material textured = material("textured");
     const Texture& wood = scene.textures.at(textured.base_color.texture);
@@ -293,22 +293,22 @@ disp heights.png
     const float u = 0.3f, v = 0.1f;
     EXPECT_FLOAT_EQ(wood.uv_offset.x + wood.uv_scale.x * u, 2 * u + 0.5f);
     EXPECT_FLOAT_EQ(wood.uv_offset.y + wood.uv_scale.y * (1 - v), 1 - (4 * v + 0.25f));
-    EXPECT_EQ(textured.alpha.channel, 3);
-    EXPECT_EQ(textured.normal_scale, 0.5f);
-    EXPECT_GE(textured.normal_texture, 0);
-    const Texture& bumps = scene.textures.at(std::size_t(material("bumpy").normal_texture));
+    EXPECT_EQ(textured.opacity.alpha.channel, 3);
+    EXPECT_EQ(textured.normal_map.scale, 0.5f);
+    EXPECT_GE(textured.normal_map.texture, 0);
+    const Texture& bumps = scene.textures.at(std::size_t(material("bumpy").normal_map.texture));
     EXPECT_EQ(bumps.height_scale, 0.01f);
     EXPECT_EQ(bumps.color_space, ColorSpace::linear);
-    EXPECT_EQ(material("bumpy").normal_scale, 1);
+    EXPECT_EQ(material("bumpy").normal_map.scale, 1);
     // Heights are bm * (base + gain * texture).
     const Material bumpy = material("bumpy"), raised = material("raised");
-    EXPECT_EQ(bumpy.displacement.value, 0.25f);
-    EXPECT_EQ(bumpy.displacement_midlevel, 0.5f);
-    EXPECT_EQ(map_of(bumpy.displacement.texture), "heights.png");
-    EXPECT_EQ(scene.textures.at(std::size_t(bumpy.displacement.texture)).height_scale, 0);
-    EXPECT_EQ(raised.displacement.value, 1);
-    EXPECT_EQ(raised.displacement.channel, 0);
-    EXPECT_EQ(raised.displacement_midlevel, 0);
+    EXPECT_EQ(bumpy.displacement.height.value, 0.25f);
+    EXPECT_EQ(bumpy.displacement.midlevel, 0.5f);
+    EXPECT_EQ(map_of(bumpy.displacement.height.texture), "heights.png");
+    EXPECT_EQ(scene.textures.at(std::size_t(bumpy.displacement.height.texture)).height_scale, 0);
+    EXPECT_EQ(raised.displacement.height.value, 1);
+    EXPECT_EQ(raised.displacement.height.channel, 0);
+    EXPECT_EQ(raised.displacement.midlevel, 0);
     EXPECT_EQ(warning_count("'decal'"), 1u);
 }
 

@@ -88,10 +88,10 @@ TEST_F(Pbrt, ShapesShine)
     const SceneDescription scene =
         world(R"(AreaLightSource "diffuse" "rgb L" [ 1 2 3 ] "float scale" 2 "bool twosided" true
 Shape "sphere")");
-    expect_color(material_of(scene).emission.value, 2, 4, 6);
-    EXPECT_TRUE(material_of(scene).emission_two_sided);
+    expect_color(material_of(scene).emission.radiance.value, 2, 4, 6);
+    EXPECT_TRUE(material_of(scene).emission.two_sided);
     const Material given = material("AreaLightSource \"diffuse\" \"float power\" 100");
-    EXPECT_NEAR(given.emission.value.g, 100 / (4 * std::numbers::pi * std::numbers::pi), 1e-4);
+    EXPECT_NEAR(given.emission.radiance.value.g, 100 / (4 * std::numbers::pi * std::numbers::pi), 1e-4);
 }
 
 /// In pbrt, an area light with alpha 0 illuminates but is invisible (DiffuseAreaLight, DeltaPosition).
@@ -99,21 +99,21 @@ TEST_F(Pbrt, InvisibleLamps)
 {
     const std::string lamp = "AreaLightSource \"diffuse\" \"rgb L\" [ 1 2 3 ] ";
     const auto shape = [&](const std::string& text) { return material_of(world(text)); };
-    EXPECT_TRUE(shape(lamp + "Shape \"sphere\" \"float alpha\" 0").invisible_light);
-    expect_color(shape(lamp + "Shape \"sphere\" \"float alpha\" 0").emission.value, 1, 2, 3);
+    EXPECT_TRUE(shape(lamp + "Shape \"sphere\" \"float alpha\" 0").visibility.invisible_light);
+    expect_color(shape(lamp + "Shape \"sphere\" \"float alpha\" 0").emission.radiance.value, 1, 2, 3);
     EXPECT_TRUE(shape("Texture \"no\" \"float\" \"constant\" \"float value\" 0 " + lamp +
                       "Shape \"sphere\" \"texture alpha\" \"no\"")
-                    .invisible_light);
+                    .visibility.invisible_light);
     // An area light with a constant or textured alpha above 0 emits in proportion to its alpha.
     const Material half = shape(lamp + "Shape \"sphere\" \"float alpha\" 0.5");
-    EXPECT_FALSE(half.invisible_light);
-    EXPECT_EQ(half.alpha.value, 0.5f);
-    expect_color(half.emission.value, 1, 2, 3);
+    EXPECT_FALSE(half.visibility.invisible_light);
+    EXPECT_EQ(half.opacity.alpha.value, 0.5f);
+    expect_color(half.emission.radiance.value, 1, 2, 3);
     EXPECT_FALSE(shape("Texture \"t\" \"float\" \"checkerboard\" " + lamp + "Shape \"sphere\" \"texture alpha\" \"t\"")
-                     .invisible_light);
+                     .visibility.invisible_light);
     const Material nothing = shape("Shape \"sphere\" \"float alpha\" 0");
-    EXPECT_FALSE(nothing.invisible_light);
-    EXPECT_EQ(nothing.alpha.value, 0);
+    EXPECT_FALSE(nothing.visibility.invisible_light);
+    EXPECT_EQ(nothing.opacity.alpha.value, 0);
 }
 
 TEST_F(Pbrt, EnvironmentsAreConstantOrPictures)

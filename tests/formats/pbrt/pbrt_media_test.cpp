@@ -26,9 +26,9 @@ TEST_F(Pbrt, MediumAroundTheCamera)
     EXPECT_NEAR(ball.center.z, -3.5, 1e-6);
     EXPECT_NEAR(ball.radius, std::sqrt(9 * 9 + 2 * 2 + 2 * 2), 1e-6);
     const Material& m = scene.materials.at(std::size_t(around.material));
-    EXPECT_EQ(m.priority, -1000);
-    EXPECT_NEAR(-std::log(m.attenuation_color.r) / m.attenuation_distance, 2, 1e-4);
-    EXPECT_NEAR(m.transmission_scatter.r / m.attenuation_distance, 1.5, 1e-4);
+    EXPECT_EQ(m.interior.priority, -1000);
+    EXPECT_NEAR(-std::log(m.interior.attenuation_color.r) / m.interior.attenuation_distance, 2, 1e-4);
+    EXPECT_NEAR(m.interior.scatter.r / m.interior.attenuation_distance, 1.5, 1e-4);
 }
 
 TEST_F(Pbrt, MediaOutsideOfShapes)
@@ -49,7 +49,7 @@ TEST_F(Pbrt, HolesInMedia)
     const Material hole = material(std::string(fog) + R"(MediumInterface "" "fog" Material "interface")");
     EXPECT_EQ(hole.kind, MaterialKind::glass);
     EXPECT_EQ(hole.ior, 1);
-    EXPECT_EQ(hole.attenuation_distance, 0);
+    EXPECT_EQ(hole.interior.attenuation_distance, 0);
     EXPECT_EQ(material("Material \"interface\"").kind, MaterialKind::none);
 }
 

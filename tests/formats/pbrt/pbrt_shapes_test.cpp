@@ -221,16 +221,16 @@ TEST_F(Pbrt, HeightsBendNormals)
                                    "Material \"diffuse\" \"texture displacement\" \"t\" "
                                    "\"string normalmap\" \"n.png\"");
     EXPECT_LT(both.bump.texture, 0);
-    EXPECT_GE(both.normal_texture, 0);
+    EXPECT_GE(both.normal_map.texture, 0);
     EXPECT_FALSE(both.map_tangents);
 }
 
 TEST_F(Pbrt, AlphaMakesHoles)
 {
     const SceneDescription scene = world("Shape \"sphere\" \"float alpha\" 0.25 Shape \"sphere\"");
-    EXPECT_EQ(material_of(scene).alpha.value, 0.25f);
-    EXPECT_EQ(material_of(scene).alpha_mode, AlphaMode::blend);
-    EXPECT_EQ(scene.materials.at(std::size_t(scene.nodes.at(1).shapes.at(0).material)).alpha_mode, AlphaMode::opaque);
+    EXPECT_EQ(material_of(scene).opacity.alpha.value, 0.25f);
+    EXPECT_EQ(material_of(scene).opacity.mode, AlphaMode::blend);
+    EXPECT_EQ(scene.materials.at(std::size_t(scene.nodes.at(1).shapes.at(0).material)).opacity.mode, AlphaMode::opaque);
 }
 
 // ---------------------------------------------------------------------------------------------------- shapes

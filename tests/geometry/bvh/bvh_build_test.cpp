@@ -29,7 +29,7 @@ GeometryTables small_and_large(int small, int large)
     return tables;
 }
 
-BinaryTree split(const GeometryTables& tables, TreeBuild level, bool cut)
+BinaryTree split(const GeometryTables& tables, BvhQuality level, bool cut)
 {
     BvhData bvh;
     bvh.tables = &tables;
@@ -105,7 +105,7 @@ TEST(BvhBuild, trees_hold_each_item_once_in_boxes_that_fit)
     std::vector<std::uint32_t> keys;
     for (std::uint32_t i = 0; i < tables.triangle_count(); ++i)
         if (i % 3 != 0) keys.push_back(2 * i);
-    for (const TreeBuild level : {TreeBuild::fast, TreeBuild::standard}) {
+    for (const BvhQuality level : {BvhQuality::fast, BvhQuality::standard}) {
         SCOPED_TRACE(int(level));
         const BinaryTree tree = split(tables, level, false);
         std::size_t deepest = 0;
@@ -137,7 +137,7 @@ TEST(BvhBuild, trees_hold_each_item_once_in_boxes_that_fit)
 TEST(BvhBuild, splits_are_the_same_for_any_number_of_threads)
 {
     const GeometryTables tables = with_gaps(150'000);
-    for (const TreeBuild level : {TreeBuild::fast, TreeBuild::standard}) {
+    for (const BvhQuality level : {BvhQuality::fast, BvhQuality::standard}) {
         const auto build = [&](std::size_t threads) {
             tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
             return split(tables, level, false);
@@ -156,7 +156,7 @@ TEST(BvhBuild, splits_are_the_same_for_any_number_of_threads)
 TEST(BvhBuild, clusters_cost_little)
 {
     const GeometryTables tables = soup(100'000, 100, 1, 36);
-    BinaryTree fast = split(tables, TreeBuild::fast, false), standard = split(tables, TreeBuild::standard, false);
+    BinaryTree fast = split(tables, BvhQuality::fast, false), standard = split(tables, BvhQuality::standard, false);
     EXPECT_LT(bvh::expected_cost(tables, fast), 1.25 * bvh::expected_cost(tables, standard));
 }
 
@@ -214,7 +214,7 @@ TEST(BvhBuild, slots_are_ordered_by_distance_and_blocking)
 TEST(BvhBuild, heights_are_right_after_moves)
 {
     const GeometryTables tables = small_and_large(20'000, 500);
-    BinaryTree tree = split(tables, TreeBuild::standard, false);
+    BinaryTree tree = split(tables, BvhQuality::standard, false);
     for (int round = 0; round < 2; ++round) {
         bvh::reinsert(tree, {1, 0.5});
         for (std::uint32_t i = 0; i < tree.nodes.size(); ++i) ASSERT_EQ(tree.nodes[i].height(), true_height(tree, i));
@@ -227,7 +227,7 @@ TEST(BvhBuild, reinsertion_lowers_the_cost_of_the_same_leaves)
     const GeometryTables tables = small_and_large(50'000, 500);
     for (const bool cut : {false, true}) {
         SCOPED_TRACE(cut);
-        BinaryTree tree = split(tables, TreeBuild::high, cut);
+        BinaryTree tree = split(tables, BvhQuality::high, cut);
         std::size_t deepest = 0;
         const auto ids = check(tree, deepest);
         EXPECT_GE(ids.size(), tables.triangle_count());
@@ -250,7 +250,7 @@ TEST(BvhBuild, reinsertion_lowers_the_cost_of_the_same_leaves)
 TEST(BvhBuild, reinsertion_of_the_largest_finds_most)
 {
     const GeometryTables tables = small_and_large(50'000, 500);
-    BinaryTree some = split(tables, TreeBuild::standard, false), all = split(tables, TreeBuild::standard, false);
+    BinaryTree some = split(tables, BvhQuality::standard, false), all = split(tables, BvhQuality::standard, false);
     const double before = sum_of_areas(some);
     bvh::reinsert(some, {3, 0.02});
     bvh::reinsert(all, {3, 1});
@@ -263,7 +263,7 @@ TEST(BvhBuild, reinsertion_is_the_same_for_any_number_of_threads)
     const GeometryTables tables = small_and_large(100'000, 1'000);
     const auto build = [&](std::size_t threads) {
         tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
-        BinaryTree tree = split(tables, TreeBuild::high, true);
+        BinaryTree tree = split(tables, BvhQuality::high, true);
         bvh::reinsert(tree, {2, 0.1});
         bvh::reinsert(tree, {2, 1});
         return tree;
@@ -285,7 +285,7 @@ TEST(BvhBuild, reinsertion_makes_no_deep_trees)
         add_triangle(tables, {-r, -r, -r}, {r, r, -r}, {-r, r, r});
     }
     finish(tables);
-    BinaryTree tree = split(tables, TreeBuild::high, false);
+    BinaryTree tree = split(tables, BvhQuality::high, false);
     std::size_t before = 0, after = 0;
     check(tree, before);
     bvh::reinsert(tree, {6, 1});
@@ -297,13 +297,13 @@ TEST(BvhBuild, reinsertion_makes_no_deep_trees)
 TEST(BvhBuild, peak_bytes_of_a_triangle)
 {
     const GeometryTables tables = small_and_large(150'000, 10'000);
-    for (const TreeBuild level : {TreeBuild::fast, TreeBuild::standard, TreeBuild::high}) {
+    for (const BvhQuality level : {BvhQuality::fast, BvhQuality::standard, BvhQuality::high}) {
         Bvh bvh;
         bvh.build(tables, level);
         const double triangles = double(tables.triangle_count());
         EXPECT_LE(double(bvh.statistics().peak_bytes), 128 * triangles) << int(level);
         // The lower bound is nearly what exists at once: primitives, sort keys and nodes, which leaves later replace.
-        EXPECT_GE(double(bvh.statistics().peak_bytes), (level == TreeBuild::fast ? 65 : 80) * triangles) << int(level);
+        EXPECT_GE(double(bvh.statistics().peak_bytes), (level == BvhQuality::fast ? 65 : 80) * triangles) << int(level);
     }
 }
 
@@ -323,10 +323,10 @@ TEST(BvhBuild, the_high_level_does_what_is_best)
         tables.shape_of_primitive.clear();
         finish(tables);
         Bvh standard, high;
-        standard.build(tables, TreeBuild::standard);
-        high.build(tables, TreeBuild::high);
+        standard.build(tables, BvhQuality::standard);
+        high.build(tables, BvhQuality::high);
         EXPECT_LT(high.statistics().cost, (aslant ? 0.85 : 1.05) * standard.statistics().cost);
-        BinaryTree cut = split(tables, TreeBuild::high, true), whole = split(tables, TreeBuild::high, false);
+        BinaryTree cut = split(tables, BvhQuality::high, true), whole = split(tables, BvhQuality::high, false);
         bvh::reinsert(cut, {3, 0.02});
         bvh::reinsert(whole, {3, 0.02});
         const double best = std::min(bvh::expected_cost(tables, cut), bvh::expected_cost(tables, whole));

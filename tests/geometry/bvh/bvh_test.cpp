@@ -92,7 +92,7 @@ GeometryTables ground(std::uint32_t n, bool apart)
 
 /// Checks shadow rays that start near common points, with and without some long rays. centers: draws these points.
 template <class Centers>
-void expect_short_rays(const GeometryTables& tables, TreeBuild level, const Centers& centers)
+void expect_short_rays(const GeometryTables& tables, BvhQuality level, const Centers& centers)
 {
     Bvh bvh;
     bvh.build(tables, level);
@@ -129,7 +129,7 @@ void expect_short_rays(const GeometryTables& tables, TreeBuild level, const Cent
 TEST(Bvh, short_rays)
 {
     const GeometryTables hills = ground(60, false);
-    for (TreeBuild level : {TreeBuild::standard, TreeBuild::compact}) {
+    for (BvhQuality level : {BvhQuality::standard, BvhQuality::compact}) {
         SCOPED_TRACE(int(level));
         expect_short_rays(soup(3'000, 100, 10, 1), level, [](Random& random) { return random.point(100); });
         const auto on_ground = [&](Random& random) {
@@ -333,7 +333,7 @@ TEST(Bvh, the_same_bits_everywhere)
 {
     GeometryTables tables = all_kinds(2'000);
     Rays rays = difficult_rays(tables, 100, 20'000, 15);
-    for (TreeBuild level : tree_builds) {
+    for (BvhQuality level : tree_builds) {
         Bvh bvh;
         bvh.build(tables, level);
         const Hits hits = cast(bvh, rays, true);
@@ -358,7 +358,7 @@ TEST(Bvh, the_same_tree_for_any_number_of_threads)
     for (int i = 0; i < 2'000; ++i) add_triangle(tables, random.point(100), random.point(100), random.point(100));
     tables.shape_of_primitive.clear();
     finish(tables);
-    for (TreeBuild level : tree_builds) {
+    for (BvhQuality level : tree_builds) {
         SCOPED_TRACE(int(level));
         const auto build = [&](std::size_t threads) {
             tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
@@ -373,7 +373,7 @@ TEST(Bvh, the_same_tree_for_any_number_of_threads)
         ASSERT_EQ(one.others, many.others);
         const std::size_t bytes = one.statistics.bytes - one.nodes.size() * sizeof(BvhNode) - 4 * one.others.size();
         const std::size_t triangles = bytes / 40 - bvh_width;
-        if (level != TreeBuild::compact) EXPECT_GE(triangles, tables.triangle_count());
+        if (level != BvhQuality::compact) EXPECT_GE(triangles, tables.triangle_count());
         EXPECT_EQ(std::memcmp(one.triangles.data(), many.triangles.data(), 36 * triangles), 0);
         EXPECT_EQ(std::memcmp(one.keys.data(), many.keys.data(), 4 * triangles), 0);
     }
@@ -388,7 +388,7 @@ TEST(Bvh, levels_of_building)
     tables.shape_of_primitive.clear();
     finish(tables);
     BvhStatistics of[std::size(tree_builds)];
-    for (TreeBuild level : tree_builds) {
+    for (BvhQuality level : tree_builds) {
         Bvh bvh;
         bvh.build(tables, level);
         of[int(level)] = bvh.statistics();
@@ -410,7 +410,7 @@ TEST(Bvh, bytes_of_a_triangle)
         const double n = tables.triangle_count();
         Bvh plain, compact;
         plain.build(tables);
-        compact.build(tables, TreeBuild::compact);
+        compact.build(tables, BvhQuality::compact);
         EXPECT_EQ(compact.statistics().cost, plain.statistics().cost);
         EXPECT_EQ(compact.statistics().leaves, plain.statistics().leaves);
         EXPECT_LE(double(plain.statistics().bytes) / n, 50);
@@ -428,7 +428,7 @@ TEST(Bvh, bytes_of_a_triangle)
     finish(slivers);
     Bvh plain, compact;
     plain.build(slivers);
-    compact.build(slivers, TreeBuild::compact);
+    compact.build(slivers, BvhQuality::compact);
     EXPECT_LE(compact.statistics().bytes, plain.statistics().bytes);
     EXPECT_LE(compact.statistics().peak_bytes, plain.statistics().peak_bytes);
 }

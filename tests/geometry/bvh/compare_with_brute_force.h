@@ -8,7 +8,8 @@
 
 namespace fathom {
 
-inline constexpr TreeBuild tree_builds[] = {TreeBuild::fast, TreeBuild::standard, TreeBuild::high, TreeBuild::compact};
+inline constexpr BvhQuality tree_builds[] = {BvhQuality::fast, BvhQuality::standard, BvhQuality::high,
+                                             BvhQuality::compact};
 
 /// Rays from inside and outside: random, axis-aligned, at vertices, in planes of triangles, and short ones.
 inline Rays difficult_rays(const GeometryTables& tables, float radius, std::size_t n, std::uint64_t seed)
@@ -97,11 +98,11 @@ inline void compare_with_brute_force(const GeometryTables& tables, float radius,
 {
     // The scalar build is slow, so it traces fewer rays.
     if (lanes == 1) n /= 10;
-    for (TreeBuild level : tree_builds) {
+    for (BvhQuality level : tree_builds) {
         SCOPED_TRACE(int(level));
         Bvh bvh;
         bvh.build(tables, level);
-        const std::size_t rays = level == TreeBuild::standard ? n : n / 4;
+        const std::size_t rays = level == BvhQuality::standard ? n : n / 4;
         compare_with_brute_force(tables, bvh, difficult_rays(tables, radius, rays, 7), what);
         compare_with_brute_force(tables, bvh, coherent_rays(tables, radius, rays / 4, 8), what);
     }

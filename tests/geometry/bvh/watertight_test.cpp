@@ -38,7 +38,7 @@ GeometryTables closed_mesh(int rings, int sectors, float radius, float bumps, Ve
     return tables;
 }
 
-void expect_no_misses(const GeometryTables& tables, TreeBuild level, Vec3f center, float inside, std::size_t n)
+void expect_no_misses(const GeometryTables& tables, BvhQuality level, Vec3f center, float inside, std::size_t n)
 {
     Bvh bvh;
     bvh.build(tables, level);
@@ -76,10 +76,10 @@ void expect_no_misses(const GeometryTables& tables, TreeBuild level, Vec3f cente
 
 void expect_no_misses(const GeometryTables& tables, Vec3f center, float inside, std::size_t n)
 {
-    expect_no_misses(tables, TreeBuild::standard, center, inside, n);
+    expect_no_misses(tables, BvhQuality::standard, center, inside, n);
     // Spatial splits of the triangles leave no cracks either.
-    expect_no_misses(tables, TreeBuild::high, center, inside, n / 4);
-    expect_no_misses(tables, TreeBuild::compact, center, inside, n / 4);
+    expect_no_misses(tables, BvhQuality::high, center, inside, n / 4);
+    expect_no_misses(tables, BvhQuality::compact, center, inside, n / 4);
 }
 
 constexpr std::size_t many = lanes == 1 ? 50'000 : 1'000'000;

@@ -217,22 +217,22 @@ TEST(GeometryTable, TrianglesThatShowTheirUvAreNotJoined)
         Material m, mix;
         m.kind = MaterialKind::principled;
         change(m);
-        mix.kind = MaterialKind::mix, mix.material_a = mix.material_b = 0;
+        mix.kind = MaterialKind::mix, mix.mixture.material_a = mix.mixture.material_b = 0;
         d.materials = {m, mix};
         d.nodes[0].shapes.push_back({MeshInstance{0}, mixed ? 1 : 0, ""});
         return compiled(d).data().tables->quads.size();
     };
-    EXPECT_EQ(quads([](Material& m) { m.coat.value = 1; }), 1u);
+    EXPECT_EQ(quads([](Material& m) { m.coat.weight.value = 1; }), 1u);
     EXPECT_EQ(quads([](Material& m) { m.kind = MaterialKind::disney; }), 1u);
     const std::function<void(Material&)> changes[] = {
         [](Material& m) { m.base_color.texture = 0; },
-        [](Material& m) { m.coat.value = 1, m.coat.texture = 0; },
-        [](Material& m) { m.sheen_color = {{1, 1, 1}, 0}; },
-        [](Material& m) { m.anisotropy.value = 0.5f; },
-        [](Material& m) { m.coat.value = 1, m.coat_normal_texture = 0; },
-        [](Material& m) { m.emission = {{1, 1, 1}, 0}; },
-        [](Material& m) { m.kind = MaterialKind::disney, m.flatness.texture = 0; },
-        [](Material& m) { m.kind = MaterialKind::disney, m.anisotropy.value = 0.5f; },
+        [](Material& m) { m.coat.weight.value = 1, m.coat.weight.texture = 0; },
+        [](Material& m) { m.sheen.color = {{1, 1, 1}, 0}; },
+        [](Material& m) { m.microfacets.anisotropy.value = 0.5f; },
+        [](Material& m) { m.coat.weight.value = 1, m.coat.normal_texture = 0; },
+        [](Material& m) { m.emission.radiance = {{1, 1, 1}, 0}; },
+        [](Material& m) { m.kind = MaterialKind::disney, m.disney.flatness.texture = 0; },
+        [](Material& m) { m.kind = MaterialKind::disney, m.microfacets.anisotropy.value = 0.5f; },
         [](Material& m) { m.kind = MaterialKind::hair; }};
     for (const auto& change : changes)
         for (const bool mixed : {false, true}) EXPECT_EQ(quads(change, mixed), 0u);

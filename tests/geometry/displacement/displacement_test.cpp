@@ -13,7 +13,7 @@
 #include <tuple>
 
 #include "compile/scene_data.h"
-#include "fathom/edit.h"
+#include "fathom/editable_scene.h"
 #include "fathom/image.h"
 #include "geometry/displacement/displace.h"
 #include "geometry/displacement/subdivision.h"
@@ -55,7 +55,7 @@ HeightFile random_heights(int size)
 Material displacing(float height, int texture = -1)
 {
     Material m;
-    m.displacement = {height, texture, 0};
+    m.displacement.height = {height, texture, 0};
     return m;
 }
 
@@ -179,7 +179,7 @@ TEST(Displacement, ANumberLiftsAPlane)
     for (const float midlevel : {0.0f, 0.25f}) {
         TestScene s;
         Material m = displacing(0.5f);
-        m.displacement_midlevel = midlevel;
+        m.displacement.midlevel = midlevel;
         s.add(unit_square, s.add_material(m));
         const Image image = rendered(s.compiled(), {Aov::depth});
         const double expected = 5 - 0.5 * (1 - double(midlevel));
@@ -425,7 +425,7 @@ TEST(Displacement, WhatIsBeyondAHardEdgeIsNotBent)
 TEST(Displacement, BoundsHoldWhatPicturesMayMove)
 {
     Material m = displacing(0.5f, 0);
-    m.displacement_midlevel = 0.25f;
+    m.displacement.midlevel = 0.25f;
     Mesh flat;
     flat.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
     flat.indices = {0, 1, 2};
@@ -455,7 +455,7 @@ TEST(Displacement, TheEdgeLengthIsKept)
 {
     TestScene s;
     Material m = displacing(0.1f);
-    m.displacement_edge_length = 0.3;
+    m.displacement.edge_length = 0.3;
     s.add(unit_square, s.add_material(m));
     // Edges get 4 parts, the diagonal 8 because it is longer than 4 times the edge length.
     const auto triangles = triangles_of(s.compiled());
@@ -546,8 +546,8 @@ TEST(Displacement, LampsShineFromWhereTheyAre)
         TestScene s;
         Material lamp;
         lamp.kind = MaterialKind::none;
-        lamp.emission.value = {5, 5, 5};
-        if (displaced) lamp.displacement = {0.5f, s.add_picture(ramp), 0};
+        lamp.emission.radiance.value = {5, 5, 5};
+        if (displaced) lamp.displacement.height = {0.5f, s.add_picture(ramp), 0};
         const int shining = s.add_material(lamp);
         // The image is constant before the center of the first texel and after that of the last.
         const auto height = [](int i) { return 1 - 0.5 * std::clamp(i / 16.0, 1 / 32.0, 31 / 32.0); };
@@ -606,7 +606,7 @@ TEST(Displacement, EditsAreThoseOfTheSceneMadeAnew)
     node.shapes.push_back({Sphere{{0, 0, 0}, 0.5, {}}, material, ""});
     s.d.roots.push_back(1);
     s.d.nodes.push_back(node);
-    SceneEdit edit(s.d);
+    EditableScene edit(s.d);
     const auto expect_same = [&](bool anew) {
         Warnings warnings;
         const std::uint64_t edited = edit.compile(warnings).fingerprint();
@@ -623,17 +623,17 @@ TEST(Displacement, EditsAreThoseOfTheSceneMadeAnew)
     edit.set_material(material, colored);
     expect_same(false);
     Material higher = colored;
-    higher.displacement.value = 0.2f;
+    higher.displacement.height.value = 0.2f;
     edit.set_material(material, higher);
     const std::uint64_t high = expect_same(true);
-    higher.displacement_midlevel = 0.5f;
+    higher.displacement.midlevel = 0.5f;
     edit.set_material(material, higher);
     EXPECT_NE(expect_same(true), high);
     std::vector<Vec3f> positions = soft.positions;
     for (Vec3f& p : positions) p.x *= 1.5f;
     edit.set_vertices(0, positions, soft.normals);
     expect_same(true);
-    higher.displacement.value = 0;
+    higher.displacement.height.value = 0;
     edit.set_material(material, higher);
     expect_same(true);
 }

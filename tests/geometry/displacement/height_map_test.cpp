@@ -37,7 +37,7 @@ double seen(const std::function<double(double, double)>& height, float scale, Ve
     scene.textures[0].height_scale = scale;
     scene.materials.resize(1);
     scene.materials[0].base_color.value = {0.5f, 0.5f, 0.5f};
-    scene.materials[0].normal_texture = 0;
+    scene.materials[0].normal_map.texture = 0;
     scene.nodes.resize(2);
     scene.nodes[0].shapes.push_back({Rectangle{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, 0, ""});
     scene.nodes[0].camera = 0;

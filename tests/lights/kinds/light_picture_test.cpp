@@ -45,7 +45,7 @@ Vec3d random_direction(test::Random& random)
 }
 
 /// Each texel of an equal-area image covers an equal solid angle.
-TEST(LightPicture, EqualAreas)
+TEST(LightImage, EqualAreas)
 {
     std::vector<float> numbers;
     for (int i = 0; i < 36; ++i) numbers.push_back(float(i));
@@ -59,7 +59,7 @@ TEST(LightPicture, EqualAreas)
 }
 
 /// The axis is at the center, its opposite at all corners, right and top at the corresponding edges.
-TEST(LightPicture, EqualAreaPlaces)
+TEST(LightImage, EqualAreaPlaces)
 {
     std::vector<float> numbers;
     for (int i = 0; i < 25; ++i) numbers.push_back(float(i));
@@ -79,7 +79,7 @@ TEST(LightPicture, EqualAreaPlaces)
 }
 
 /// Lookup is continuous: nearby directions give nearly equal values across all edges.
-TEST(LightPicture, EqualAreaEdgesMeet)
+TEST(LightImage, EqualAreaEdgesMeet)
 {
     test::Random random(3);
     std::vector<float> values;
@@ -96,7 +96,7 @@ TEST(LightPicture, EqualAreaEdgesMeet)
 }
 
 /// A window of 2 x 2 texels: values between them, at the edges, and outside.
-TEST(LightPicture, PlaneIsAWindow)
+TEST(LightImage, PlaneIsAWindow)
 {
     LightTables tables = tables_of(LightPictureMap::plane, 2, 2, {1, 2, 3, 4});
     tables.light_pictures[1].scale_u = 2;    // the window is half as wide as its distance
@@ -120,7 +120,7 @@ TEST(LightPicture, PlaneIsAWindow)
 }
 
 /// Rows from 30 to 90 degrees, columns every quarter turn, counterclockwise as seen against the emission direction.
-TEST(LightPicture, AnglesHaveTheirValues)
+TEST(LightImage, AnglesHaveTheirValues)
 {
     LightTables tables = tables_of(LightPictureMap::angles, 4, 3, {1, 2, 3, 4, 10, 20, 30, 40, 100, 200, 300, 400});
     LightPictureRecord& record = tables.light_pictures[1];
@@ -155,7 +155,7 @@ TEST(LightPicture, AnglesHaveTheirValues)
 }
 
 /// Lanes use images of different kinds and sizes at once.
-TEST(LightPicture, LanesDiffer)
+TEST(LightImage, LanesDiffer)
 {
     LightTables tables = tables_of(LightPictureMap::plane, 1, 1, {5});
     LightTables square = tables_of(LightPictureMap::equal_area, 2, 2, {7, 7, 7, 7});

@@ -59,8 +59,8 @@ TEST(Beckmann, IsTheFormula)
         const double alpha = double(roughness) * double(roughness);
         const double c = o.x * h.x + o.y * h.y + o.z * h.z, t = std::sqrt(1 - (1 - c * c) / 2.25),
                      p = (1.5 * c - t) / (1.5 * c + t), s = (c - 1.5 * t) / (c + 1.5 * t);
-        const double expected =
-            (p * p + s * s) / 2 * beckmann_d(h, alpha, alpha) * smith_g1(o.z, alpha, true) * smith_g1(i.z, alpha, true) / (4 * o.z);
+        const double expected = (p * p + s * s) / 2 * beckmann_d(h, alpha, alpha) * smith_g1(o.z, alpha, true) *
+                                smith_g1(i.z, alpha, true) / (4 * o.z);
         const double found = first(PlasticBsdf(beckmann(0, roughness))
                                        .eval(lane_direction({o.x, o.y, o.z}), lane_direction({i.x, i.y, i.z}))
                                        .f_cos.c[0]);

@@ -31,14 +31,15 @@ SceneDescription ball_of(MaterialKind kind)
     m.kind = kind;
     m.base_color.value = {0.6f, 0.5f, 0.4f};
     m.roughness.value = 0.5f, m.metallic.value = 0.3f;
-    m.transmission.value = 0.3f, m.diffuse_transmission.value = 0.3f, m.diffuse_roughness.value = 0.5f;
-    m.coat.value = 0.5f, m.coat_roughness.value = 0.3f;
-    m.sheen_color.value = {0.3f, 0.3f, 0.3f};
-    m.thin_film.value = 0.5f, m.thin_film_thickness.value = 300;
-    m.anisotropy.value = 0.5f;
-    m.sheen.value = 0.3f, m.sheen_tint.value = 0.5f, m.flatness.value = 0.5f, m.specular_tint.value = 0.5f;
-    m.coat_gloss.value = 0.5f;
-    m.alpha_mode = AlphaMode::blend;
+    m.transmission.weight.value = 0.3f, m.diffuse_transmission.weight.value = 0.3f, m.diffuse_roughness.value = 0.5f;
+    m.coat.weight.value = 0.5f, m.coat.roughness.value = 0.3f;
+    m.sheen.color.value = {0.3f, 0.3f, 0.3f};
+    m.thin_film.weight.value = 0.5f, m.thin_film.thickness.value = 300;
+    m.microfacets.anisotropy.value = 0.5f;
+    m.disney.sheen.value = 0.3f, m.disney.sheen_tint.value = 0.5f, m.disney.flatness.value = 0.5f,
+    m.disney.specular_tint.value = 0.5f;
+    m.disney.coat_gloss.value = 0.5f;
+    m.opacity.mode = AlphaMode::blend;
     d.materials.push_back(m);
     return d;
 }
@@ -94,8 +95,8 @@ TEST(TexturedParameters, AnEvenTextureIsItsValue)
         std::visit(
             [&](auto member) {
                 using Member = decltype(member);
-                if constexpr (std::is_same_v<Member, ColorInput Material::*> ||
-                              std::is_same_v<Member, FloatInput Material::*>)
+                if constexpr (std::is_same_v<Member, Field<Material, ColorInput>> ||
+                              std::is_same_v<Member, Field<Material, FloatInput>>)
                     for (const KindName<MaterialKind>& kind : material_kinds()) {
                         if (!p.is_of(std::uint32_t(kind.kind)) || kind.kind == MaterialKind::mix ||
                             kind.kind == MaterialKind::two_sided || kind.kind == MaterialKind::measured)
@@ -103,12 +104,13 @@ TEST(TexturedParameters, AnEvenTextureIsItsValue)
                         SCOPED_TRACE(std::string(kind.name) + " " + p.key);
                         SceneDescription d = ball_of(kind.kind);
                         const bool by_chance = by_mean.contains(p.key);
-                        if (by_chance) d.materials[0].subsurface.value = 1, d.materials[0].transmission.value = 0;
+                        if (by_chance)
+                            d.materials[0].subsurface.weight.value = 1, d.materials[0].transmission.weight.value = 0;
                         const float value = std::string(p.key) == "thin_film_thickness" ? 300 : 0.4f;
                         const std::uint64_t samples = by_chance ? 256 : 16;
                         std::vector<float> images[2];
                         for (const bool textured : {false, true}) {
-                            set(d.materials[0].*member, value, textured);
+                            set(member(d.materials[0]), value, textured);
                             images[int(textured)] = pixels_of(d, samples);
                         }
                         if (by_chance)

@@ -21,9 +21,9 @@ constexpr std::size_t treelet_size = 1 << 13, treelet_clusters = 1 << 9;
 
 /// Sets of up to this many items stay unsplit if one leaf can hold them. Splitting sets of four takes half of the build
 /// time.
-constexpr std::size_t max_unsplit(TreeBuild level, bool cut)
+constexpr std::size_t max_unsplit(BvhQuality level, bool cut)
 {
-    if (level != TreeBuild::high) return 4;
+    if (level != BvhQuality::high) return 4;
     return cut ? 3 : 2;
 }
 
@@ -34,7 +34,7 @@ struct UpperNode {
 
 class Splitting {
 public:
-    Splitting(const GeometryTables& tables, ItemList& list, TreeBuild level, bool cut) : list_(list), level_(level)
+    Splitting(const GeometryTables& tables, ItemList& list, BvhQuality level, bool cut) : list_(list), level_(level)
     {
         if (cut) splitter_ = std::make_unique<SpatialSplitter>(tables, list.box.half_area());
     }
@@ -42,7 +42,7 @@ public:
     BinaryTree run()
     {
         BinaryTree tree;
-        if (level_ == TreeBuild::fast) clusters_ = std::make_unique<Clusters>(cluster_by_morton_code(list_));
+        if (level_ == BvhQuality::fast) clusters_ = std::make_unique<Clusters>(cluster_by_morton_code(list_));
         UpperNode top;
         top.set = {list_.items.data(), list_.count, 0, list_.box, list_.centers};
         if (splitter_) make_room(top.set);
@@ -163,7 +163,7 @@ private:
     }
 
     ItemList& list_;
-    TreeBuild level_;
+    BvhQuality level_;
     std::unique_ptr<SpatialSplitter> splitter_;
     std::unique_ptr<Clusters> clusters_;  ///< set if items are clusters, as at the fast level
     std::vector<Treelet> treelets_;
@@ -174,7 +174,7 @@ private:
 
 }  // namespace
 
-BinaryTree split_items(const GeometryTables& tables, ItemList& list, TreeBuild level, bool cut)
+BinaryTree split_items(const GeometryTables& tables, ItemList& list, BvhQuality level, bool cut)
 {
     return Splitting(tables, list, level, cut).run();
 }

@@ -57,6 +57,6 @@ struct BinaryTree {
 
 /// Builds the tree over the items at the given quality level, with all threads; the result does not depend on their
 /// number. Frees the items. cut: whether spatial splits may cut triangles.
-BinaryTree split_items(const GeometryTables& tables, ItemList& list, TreeBuild level, bool cut);
+BinaryTree split_items(const GeometryTables& tables, ItemList& list, BvhQuality level, bool cut);
 
 }  // namespace fathom::bvh

@@ -49,11 +49,11 @@ std::size_t count_triangles(const GeometryTables& tables)
 /// over all nodes, which gains slightly more, and on foliage.
 constexpr Reinsertion once{1, 0.02}, few{3, 0.02}, many{1, 1.0};
 
-BinaryTree split_and_reinsert(const GeometryTables& tables, ItemList& list, TreeBuild level, bool cut, Peak& peak)
+BinaryTree split_and_reinsert(const GeometryTables& tables, ItemList& list, BvhQuality level, bool cut, Peak& peak)
 {
     BinaryTree tree = split_items(tables, list, level, cut);
     peak.track_peak(tree.peak_bytes);
-    const Reinsertion& how = level == TreeBuild::fast ? once : few;
+    const Reinsertion& how = level == BvhQuality::fast ? once : few;
     reinsert(tree, how);
     peak.track_peak(tree.bytes() + how.bytes(tree.nodes.size()));
     return tree;
@@ -62,11 +62,11 @@ BinaryTree split_and_reinsert(const GeometryTables& tables, ItemList& list, Tree
 /// Builds the best binary tree at the given level. make_list: creates the item list anew; each call gives an equal
 /// list.
 template <class MakeList>
-BinaryTree binary_tree(const GeometryTables& tables, TreeBuild level, const MakeList& make_list, ItemList& list,
+BinaryTree binary_tree(const GeometryTables& tables, BvhQuality level, const MakeList& make_list, ItemList& list,
                        Peak& peak)
 {
     BinaryTree tree = split_and_reinsert(tables, list, level, false, peak);
-    if (level != TreeBuild::high) return tree;
+    if (level != BvhQuality::high) return tree;
     const auto again = [&](bool cut) {
         tree = {};
         list = make_list();
@@ -106,7 +106,7 @@ void BvhBuilder::build()
     const std::vector<std::uint32_t> shapes = find_meshes();
     std::size_t triangles = count_triangles(tables_);
     // Space is reserved generously: pages that are never written take no memory.
-    if (level_ == TreeBuild::high) triangles += std::size_t(max_cuts * double(triangles));
+    if (level_ == BvhQuality::high) triangles += std::size_t(max_cuts * double(triangles));
     if (triangles > BvhReference::max_triangles)
         throw std::length_error("a scene can have at most 134,217,728 triangles");
     tree_.triangles = LargeArray<float>(9 * triangles + bvh_width);
@@ -144,7 +144,7 @@ bool BvhBuilder::update(const std::vector<std::uint32_t>& changed)
     for (std::uint32_t shape : changed) {
         // Spatial splits are not used because cut triangles might not fit.
         next_triangle_ = meshes_[shape].first_triangle;
-        add_mesh(shape, level_ == TreeBuild::high ? TreeBuild::standard : level_);
+        add_mesh(shape, level_ == BvhQuality::high ? BvhQuality::standard : level_);
     }
     begin_of_movable_ = {tree_.nodes.size(), tree_.others.size()};
     // Too much memory is wasted on former versions of meshes: the caller rebuilds the tree.
@@ -172,7 +172,7 @@ std::vector<std::uint32_t> BvhBuilder::find_meshes()
     return found;
 }
 
-void BvhBuilder::add_mesh(std::uint32_t shape, TreeBuild level)
+void BvhBuilder::add_mesh(std::uint32_t shape, BvhQuality level)
 {
     const std::uint32_t first = tables_.shapes[shape].first_primitive, end = shape_end(tables_, shape);
     const Part part = add_part([&] { return shape_items(tables_, tree_, first, end); }, level);
@@ -192,7 +192,7 @@ std::size_t BvhBuilder::max_triangles_in(std::uint32_t shape) const
 /// Builds a subtree over one list of items and adds it to the arrays. make_list: creates the list; each call gives an
 /// equal one.
 template <class MakeList>
-BvhBuilder::Part BvhBuilder::add_part(const MakeList& make_list, TreeBuild level)
+BvhBuilder::Part BvhBuilder::add_part(const MakeList& make_list, BvhQuality level)
 {
     Part part;
     ItemList list = make_list();
@@ -204,7 +204,7 @@ BvhBuilder::Part BvhBuilder::add_part(const MakeList& make_list, TreeBuild level
     BinaryTree binary = binary_tree(tables_, level, make_list, list, binary_peak);
     peak_.track_peak(leaves_bytes() + first * sizeof(BvhNode) + binary_peak.bytes);
     const std::size_t binary_bytes = binary.bytes(), others_before = tree_.others.size() * 4;
-    const Collapsed collapsed = collapse(tables_, binary, tree_, next_triangle_, level == TreeBuild::compact);
+    const Collapsed collapsed = collapse(tables_, binary, tree_, next_triangle_, level == BvhQuality::compact);
     part.root = collapsed.root;
     part.depth = collapsed.depth;
     // Peak memory occurs either with the binary tree or while the contents of chunks are moved.
@@ -220,7 +220,7 @@ void BvhBuilder::add_movable()
 {
     Part world = still_;
     if (tables_.editable) {
-        const Part movable = add_part([&] { return movable_items(tables_, tree_, boxes_); }, TreeBuild::standard);
+        const Part movable = add_part([&] { return movable_items(tables_, tree_, boxes_); }, BvhQuality::standard);
         world = still_.empty ? movable : movable.empty ? still_ : join(still_, movable);
     }
     // Vector loads read 16 words past the last leaf.

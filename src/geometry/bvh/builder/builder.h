@@ -17,7 +17,7 @@ struct Peak {
 /// Builds the BVH of scene tables, and later rebuilds the parts that have changed.
 class BvhBuilder {
 public:
-    BvhBuilder(const GeometryTables& tables, BvhData& tree, TreeBuild level)
+    BvhBuilder(const GeometryTables& tables, BvhData& tree, BvhQuality level)
         : tables_(tables), tree_(tree), level_(level)
     {
     }
@@ -26,7 +26,7 @@ public:
     void build();
     /// See Bvh::update. Returns false if too much of the arrays is no longer used, so that the BVH must be rebuilt.
     bool update(const std::vector<std::uint32_t>& changed);
-    TreeBuild level() const { return level_; }
+    BvhQuality level() const { return level_; }
 
 private:
     /// A subtree within the BVH's arrays, with its own root.
@@ -45,17 +45,17 @@ private:
     };
 
     std::vector<std::uint32_t> find_meshes();
-    void add_mesh(std::uint32_t shape, TreeBuild level);
+    void add_mesh(std::uint32_t shape, BvhQuality level);
     std::size_t max_triangles_in(std::uint32_t shape) const;
     template <class MakeList>
-    Part add_part(const MakeList& make_list, TreeBuild level);
+    Part add_part(const MakeList& make_list, BvhQuality level);
     void add_movable();
     Part join(const Part& a, const Part& b);
     std::size_t leaves_bytes() const;
 
     const GeometryTables& tables_;
     BvhData& tree_;
-    const TreeBuild level_;
+    const BvhQuality level_;
     std::vector<Mesh> meshes_;  ///< by shape
     std::vector<MovingBox> boxes_;
     Part still_;              ///< subtree of all static items that are not movable

@@ -4,14 +4,14 @@
 #include <string>
 #include <vector>
 
-#include "fathom/edit.h"
+#include "fathom/editable_scene.h"
 #include "fathom/render.h"
 
 namespace fathom {
 
 /// Statistics of a small test image that tell how well a scene is lit. Pixels that show the background are excluded,
 /// and so is the emission of surfaces that the camera sees directly.
-struct FATHOM_API FirstLook {
+struct FATHOM_API LightingProbe {
     double covered = 0;  ///< Fraction of the pixels that show surfaces, 0 to 1.
     double lit = 0;      ///< Fraction of the covered pixels with a luminance above 2 % of `bright`, 0 to 1.
     double middle = 0;   ///< Median luminance of the lit pixels.
@@ -27,10 +27,10 @@ struct FATHOM_API FirstLook {
 ///
 /// scene   Seen by the camera that it was compiled for.
 /// aspect  Width / height of the final image.
-FATHOM_API FirstLook first_look(const Scene& scene, double aspect);
+FATHOM_API LightingProbe probe_lighting(const Scene& scene, double aspect);
 
 /// Which light a scene is rendered in.
-enum class LightChoice {
+enum class LightingMode {
     automatic,  ///< The file's light, plus a studio if it leaves most of the image dark.
     file,       ///< Only the file's light, even if there is none.
     studio,     ///< A studio instead of the environment and the lights without a surface. Emissive surfaces remain.
@@ -47,13 +47,13 @@ struct Ground {
     Color backdrop = studio_backdrop;  ///< Color of the background that the ground blends into, linear Rec.709.
     /// Adds the ground only if the studio is the model's only light, and the camera is outside the model and above the
     /// ground.
-    bool only_where_it_fits = true;
+    bool only_if_visible_from_above = true;
     /// World-space box of what all images of a sequence show; empty: of the scene as it is.
     std::optional<Bounds> bounds;
 };
 
 /// A compiled scene and what was added to light it.
-struct AutoLitScene {
+struct LitScene {
     Scene scene;  ///< The compiled scene.
     /// Descriptions of what was added, for people: "a studio light", "an exposure of +2 stops for its light ...".
     std::vector<std::string> added;
@@ -68,9 +68,9 @@ struct AutoLitScene {
 /// Compiles a scene so that it is visible. It is meant for models, whose files often contain no light, or light that
 /// doesn't reach what the camera sees.
 ///
-/// scene     What to compile; it must have a camera (see complete_scene()).
+/// scene     What to compile; it must have a camera (see add_default_camera()).
 /// camera    As in Scene::compile().
-/// light     Which light to use. With `automatic`, first_look() decides: a studio is added if less than 40 % of the
+/// light     Which light to use. With `automatic`, probe_lighting() decides: a studio is added if less than 40 % of the
 ///           surfaces in view are lit, unless RenderHints::own_light is set.
 /// aspect    Width / height of the final image.
 /// warnings  As in Scene::compile(). Also receives a warning if glass blocks much light of point-like lights.
@@ -78,13 +78,13 @@ struct AutoLitScene {
 /// ground    Ground to add; empty: none.
 ///
 /// Throws Error as Scene::compile().
-FATHOM_API AutoLitScene compile_lit(SceneDescription scene, const std::string& camera, LightChoice light, double aspect,
-                                    Warnings& warnings, TreeBuild build = TreeBuild::standard,
-                                    const std::optional<Ground>& ground = {});
+FATHOM_API LitScene compile_lit(SceneDescription scene, const std::string& camera, LightingMode light, double aspect,
+                                Warnings& warnings, BvhQuality build = BvhQuality::standard,
+                                const std::optional<Ground>& ground = {});
 
 /// Compiles a scene that will change as compile_lit() above does, and adds light and ground to the description of
 /// `edit`, so that later scenes keep them.
-FATHOM_API AutoLitScene compile_lit(SceneEdit& edit, LightChoice light, double aspect, Warnings& warnings,
-                                    const std::optional<Ground>& ground = {});
+FATHOM_API LitScene compile_lit(EditableScene& edit, LightingMode light, double aspect, Warnings& warnings,
+                                const std::optional<Ground>& ground = {});
 
 }  // namespace fathom

@@ -4,7 +4,7 @@
 namespace fathom {
 
 /// How the BVH is built. All of them give the same intersections, and so the same image.
-enum class TreeBuild {
+enum class BvhQuality {
     fast,      ///< Sorts primitives by Morton codes. For previews of large scenes: quick to build, slower to trace.
     standard,  ///< Splits by the surface area heuristic.
     high,      ///< As standard, with spatial splits of large triangles and a subsequent optimization of the whole tree.

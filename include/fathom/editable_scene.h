@@ -13,7 +13,7 @@ namespace fathom {
 /// Node::movable, or the vertices of a mesh with Mesh::movable, depends on that node or mesh, not on the whole scene.
 /// Movable geometry is traced through instances, which takes slightly longer.
 ///
-///     SceneEdit edit(description);
+///     EditableScene edit(description);
 ///     for (int frame = 0; frame < 100; ++frame) {
 ///         edit.set_transform(wheel, Transform::rotate({0, 0, 1}, 0.1 * frame));
 ///         RenderJob job(edit.compile(warnings), settings);
@@ -22,20 +22,21 @@ namespace fathom {
 ///
 /// The compiled scenes have the bits that Scene::compile() makes of description(), as long as the camera doesn't move
 /// and the extent of the scene stays about the same. Coordinates are relative to the first position of the camera, so
-/// other scenes may differ by rounding; compile_exactly() avoids that. A SceneEdit belongs to one thread at a time.
-class FATHOM_API SceneEdit {
+/// other scenes may differ by rounding; compile_bit_exact() avoids that. An EditableScene belongs to one thread at a
+/// time.
+class FATHOM_API EditableScene {
 public:
     /// Takes over a description. Nothing is compiled yet.
     ///
     /// scene   The description.
     /// camera  Name of the camera that scenes are compiled for; empty selects the first one.
     /// build   How BVHs are built.
-    explicit SceneEdit(SceneDescription scene, std::string camera = {}, TreeBuild build = TreeBuild::standard);
+    explicit EditableScene(SceneDescription scene, std::string camera = {}, BvhQuality build = BvhQuality::standard);
     /// Moves the scene; the source may only be assigned to or destroyed afterwards.
-    SceneEdit(SceneEdit&&) noexcept;
+    EditableScene(EditableScene&&) noexcept;
     /// Moves the scene; the source may only be assigned to or destroyed afterwards.
-    SceneEdit& operator=(SceneEdit&&) noexcept;
-    ~SceneEdit();
+    EditableScene& operator=(EditableScene&&) noexcept;
+    ~EditableScene();
 
     /// Returns the description with all changes so far.
     const SceneDescription& description() const;
@@ -72,7 +73,7 @@ public:
     /// Applies a pose of an animation.
     void set_pose(AnimationPose pose);
     /// Returns the description for any other change. The next compile() compiles the whole scene.
-    SceneDescription& change();
+    SceneDescription& edit_description();
 
     /// Compiles the current state of the scene.
     ///
@@ -83,7 +84,7 @@ public:
     Scene compile(Warnings& warnings);
     /// Compiles the current state to the exact bits of Scene::compile(). It compiles the whole scene if the camera has
     /// moved, or if the extent of the scene has changed so much that coordinates would be rounded differently.
-    Scene compile_exactly(Warnings& warnings);
+    Scene compile_bit_exact(Warnings& warnings);
     /// Returns whether the last compilation compiled the whole scene.
     bool recompiled() const;
 
