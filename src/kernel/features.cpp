@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "kernel/quad_columns.h"
+#include "lights/kinds/records.h"
 #include "materials/closures/closures.h"
 
 namespace fathom {

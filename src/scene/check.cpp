@@ -104,9 +104,9 @@ private:
         if (light.kind == LightKind::projector && !(light.fov > 0 && light.fov < std::numbers::pi))
             fail(place + ".fov", "must be above 0 and below 180 degrees");
         for (const Parameter<Light>& p : light_parameters()) {
-            const auto* const number = std::get_if<double Light::*>(&p.member);
+            const auto* const number = std::get_if<Field<Light, double>>(&p.member);
             if (!number || p.unit != 1 || !p.is_of(std::uint32_t(light.kind))) continue;
-            if (!p.allows(light.*(*number)) || !std::isfinite(light.*(*number)))
+            if (const double value = (*number)(light); !p.allows(value) || !std::isfinite(value))
                 fail(place + '.' + p.key, fmt::format("must be above {:g}", p.least));
         }
     }

@@ -149,15 +149,15 @@ void FathomJsonReader::read_parameters(JsonObject& o, std::span<const Parameter<
         const auto read = [&](auto member) {
             using Member = decltype(member);
             if constexpr (std::is_same_v<Member, TextureReference<Owner>>)
-                owner.*member.index = texture(*v, use.value_or(Use::data));
+                member(owner) = texture(*v, use.value_or(Use::data));
             else if constexpr (std::is_same_v<Member, ImageReference<Owner>>)
-                owner.*member.index = image(*v);
+                member(owner) = image(*v);
             else if constexpr (std::is_same_v<Member, MeasuredReference<Owner>>)
-                owner.*member.index = measured(*v);
+                member(owner) = measured(*v);
             else if constexpr (std::is_same_v<Member, MaterialReference<Owner>>)
-                owner.*member.index = material(*v);
+                member(owner) = material(*v);
             else
-                read_value(*v, p, use, owner.*member);
+                read_value(*v, p, use, member(owner));
         };
         std::visit(read, p.member);
     }

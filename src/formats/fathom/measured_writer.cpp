@@ -12,14 +12,14 @@ namespace {
 
 using namespace std::string_view_literals;
 
-struct Field {
+struct TensorField {
     std::string name;
     std::vector<std::size_t> shape;
     std::string bytes;
     std::uint8_t type;
 };
 
-Field floats(const char* name, std::vector<std::size_t> shape, const std::vector<float>& values)
+TensorField floats(const char* name, std::vector<std::size_t> shape, const std::vector<float>& values)
 {
     static_assert(std::endian::native == std::endian::little);
     constexpr std::uint8_t float32 = 10;
@@ -28,7 +28,7 @@ Field floats(const char* name, std::vector<std::size_t> shape, const std::vector
     return {name, std::move(shape), std::move(bytes), float32};
 }
 
-Field table(const char* name, std::vector<std::size_t> outer, const MeasuredTable& t)
+TensorField table(const char* name, std::vector<std::size_t> outer, const MeasuredTable& t)
 {
     outer.push_back(std::size_t(t.height)), outer.push_back(std::size_t(t.width));
     return floats(name, std::move(outer), t.values);
@@ -48,7 +48,7 @@ std::string measured_file(const MeasuredBrdf& brdf)
     const std::size_t phis = brdf.phi.size(), thetas = brdf.theta.size();
     // Readers require a description. A constant keeps the file unchanged when it is read and written again.
     const std::string name = "a measured surface";
-    const Field fields[] = {floats("phi_i", {phis}, brdf.phi),
+    const TensorField fields[] = {floats("phi_i", {phis}, brdf.phi),
                             floats("theta_i", {thetas}, brdf.theta),
                             table("ndf", {}, brdf.ndf),
                             table("sigma", {}, brdf.sigma),
@@ -62,7 +62,7 @@ std::string measured_file(const MeasuredBrdf& brdf)
         std::string text("tensor_file\0\x01\0"sv);
         std::size_t at = offset;
         put<std::uint32_t>(text, std::size(fields));
-        for (const Field& field : fields) {
+        for (const TensorField& field : fields) {
             put<std::uint16_t>(text, field.name.size());
             text += field.name;
             put<std::uint16_t>(text, field.shape.size());
@@ -76,7 +76,7 @@ std::string measured_file(const MeasuredBrdf& brdf)
     // The header's length doesn't depend on the offsets in it.
     offset = header().size();
     std::string bytes = header();
-    for (const Field& field : fields) bytes += field.bytes;
+    for (const TensorField& field : fields) bytes += field.bytes;
     return bytes;
 }
 

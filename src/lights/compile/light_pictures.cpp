@@ -16,7 +16,8 @@ namespace fathom {
 
 namespace {
 
-constexpr double pi = std::numbers::pi, degree = pi / 180;
+using std::numbers::pi;
+constexpr double degree = pi / 180;
 /// Lanes index floats by 32 bits.
 constexpr std::size_t max_texels = std::size_t(1) << 29;
 /// Limit of the tangent to which a spot's image is stretched; wide cones would need an infinite one.
@@ -44,8 +45,8 @@ int steps_to_have(const std::vector<double>& angles, double from, double span, i
     return most;
 }
 
-/// Sums over an image.
-struct Sums {
+/// PixelSums over an image.
+struct PixelSums {
     double flux = 0;     ///< sum for the image alone: luminance times solid angle
     double squares = 0;  ///< sum of squares for the image times the light's intensity
     double solid_angle = 0;
@@ -85,12 +86,12 @@ private:
 };
 
 /// width, height: tangents from center to edge. Pixels of small images are subdivided for the integral.
-Sums sum_plane(const Texels& texels, const LightImages::Image& image, double width, double height, bool flat_field)
+PixelSums sum_plane(const Texels& texels, const LightImages::Image& image, double width, double height, bool flat_field)
 {
     const int parts = std::max(1, 256 / std::min(image.width, image.height));
     const double columns = double(image.width) * parts, rows = double(image.height) * parts;
     const double area = 4 * width * height / (columns * rows);
-    Sums sums;
+    PixelSums sums;
     for (int y = 0; y < image.height; ++y)
         for (int x = 0; x < image.width; ++x) {
             const double own = texels.own(x, y), product = texels.product(x, y);
@@ -106,9 +107,9 @@ Sums sum_plane(const Texels& texels, const LightImages::Image& image, double wid
     return sums;
 }
 
-Sums sum_equal_area(const Texels& texels, const LightImages::Image& image)
+PixelSums sum_equal_area(const Texels& texels, const LightImages::Image& image)
 {
-    Sums sums;
+    PixelSums sums;
     const double solid = 4 * pi / (double(image.width) * image.height);
     for (int y = 0; y < image.height; ++y)
         for (int x = 0; x < image.width; ++x) sums.add(texels.own(x, y), texels.product(x, y), solid);
@@ -116,10 +117,10 @@ Sums sum_equal_area(const Texels& texels, const LightImages::Image& image)
 }
 
 /// Between two rows values change linearly with the angle, and solid angle with its sine.
-Sums sum_angles(const Texels& texels, const LightImages::Image& image)
+PixelSums sum_angles(const Texels& texels, const LightImages::Image& image)
 {
     constexpr int parts = 8;
-    Sums sums;
+    PixelSums sums;
     const double step = (image.last_angle - image.first_angle) / (image.height - 1) / parts;
     for (int y = 0; y + 1 < image.height; ++y)
         for (int k = 0; k < parts; ++k) {
@@ -161,7 +162,7 @@ double widened(double one_minus_cosine)
     return one_minus_cosine * (1 + 1e-4) + 1e-6;
 }
 
-Sums describe_plane(const Light& light, const LightImages::Image& image, const Texels& texels, LightPictureRecord& t,
+PixelSums describe_plane(const Light& light, const LightImages::Image& image, const Texels& texels, LightPictureRecord& t,
                     PicturedIntensity& result)
 {
     const double spot =
@@ -177,7 +178,7 @@ Sums describe_plane(const Light& light, const LightImages::Image& image, const T
     return sum_plane(texels, image, half.x, half.y, flat_field);
 }
 
-Sums describe_angles(const LightImages::Image& image, const Texels& texels, LightPictureRecord& t,
+PixelSums describe_angles(const LightImages::Image& image, const Texels& texels, LightPictureRecord& t,
                      PicturedIntensity& result)
 {
     t.map = std::uint32_t(LightPictureMap::angles);
@@ -253,7 +254,7 @@ PicturedIntensity add_light_picture(Compiler& c, const Light& light)
     if (light.picture.nearest && !image.is_profile) t.flags |= LightPictureRecord::nearest;
     t.map = std::uint32_t(LightPictureMap::equal_area);
     const Texels texels(c, image, light.intensity);
-    const Sums sums = image.is_profile ? describe_angles(image, texels, t, result)
+    const PixelSums sums = image.is_profile ? describe_angles(image, texels, t, result)
                       : is_goniometric ? sum_equal_area(texels, image)
                                        : describe_plane(light, image, texels, t, result);
     const bool is_flux = light.kind != LightKind::spot && light.intensity_is_flux;

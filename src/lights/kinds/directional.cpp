@@ -9,7 +9,7 @@ namespace fathom {
 
 namespace {
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 /// Narrower disks of directions are delta lights: float directions are too coarse for them.
 constexpr double min_angle = 1e-6;
 

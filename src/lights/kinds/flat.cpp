@@ -8,7 +8,7 @@ namespace fathom {
 
 namespace {
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 
 LightBall parallelogram_ball(Vec3d corner, Vec3d a, Vec3d b)
 {

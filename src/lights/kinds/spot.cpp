@@ -10,7 +10,7 @@ namespace fathom {
 
 namespace {
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 
 void set_falloff(SpotLightRecord& spot, const Light& light)
 {

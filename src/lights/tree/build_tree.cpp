@@ -15,7 +15,7 @@ namespace fathom {
 
 namespace {
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 constexpr double infinite = std::numeric_limits<double>::infinity();
 /// Margins of bounds on positions, against rounding of the records and of the kernel's arithmetic.
 constexpr double radius_slack = 1e-5, position_slack = 0x1p-21, min_radius = 1e-6;

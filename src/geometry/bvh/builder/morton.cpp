@@ -17,7 +17,7 @@ namespace {
 
 constexpr int bits_per_axis = 10;
 /// Number of items per task; clusters do not extend across tasks.
-constexpr std::size_t part_size = std::size_t(1) << Clusters::part_bits;
+constexpr std::size_t cluster_part_size = std::size_t(1) << Clusters::part_bits;
 /// Limits: items of a cluster, triangles of a leaf, and other items of a leaf.
 constexpr std::size_t max_items = 32, max_triangles_in = 8, max_others = 4;
 
@@ -37,8 +37,8 @@ struct Entry {
 template <class What>
 void for_parts(std::size_t n, const What& what)
 {
-    tbb::parallel_for(std::size_t(0), (n + part_size - 1) / part_size,
-                      [&](std::size_t part) { what(part, part * part_size, std::min(n, (part + 1) * part_size)); });
+    tbb::parallel_for(std::size_t(0), (n + cluster_part_size - 1) / cluster_part_size,
+                      [&](std::size_t part) { what(part, part * cluster_part_size, std::min(n, (part + 1) * cluster_part_size)); });
 }
 
 /// Least significant digit radix sort; each pass is stable.
@@ -46,7 +46,7 @@ void radix_sort(LargeArray<Entry>& entries)
 {
     constexpr int digit_bits = 10;
     constexpr std::size_t digits = 1 << digit_bits;
-    const std::size_t n = entries.size(), parts = (n + part_size - 1) / part_size;
+    const std::size_t n = entries.size(), parts = (n + cluster_part_size - 1) / cluster_part_size;
     LargeArray<Entry> other(n);
     std::vector<std::uint32_t> places(parts * digits);  // by part and digit: first counts, then offsets
     for (int shift = 0; shift < 3 * bits_per_axis; shift += digit_bits) {
@@ -166,7 +166,7 @@ Clusters cluster_by_morton_code(ItemList& list)
     const LargeArray<Entry> entries = sorted_entries(list);
     Clusters clusters;
     clusters.ids = LargeArray<std::uint32_t>(list.count);
-    const std::size_t part_count = (list.count + part_size - 1) / part_size;
+    const std::size_t part_count = (list.count + cluster_part_size - 1) / cluster_part_size;
     clusters.nodes.resize(part_count);
     std::vector<std::vector<std::uint32_t>> roots(part_count);
     for_parts(list.count, [&](std::size_t part, std::size_t first, std::size_t end) {
