@@ -33,3 +33,11 @@ function(fathom_precompile target)
     <vector> <fmt/format.h> <fathom/description.h> <fathom/error.h> <fathom/load.h> ${ARGN})
   fathom_ignore_precompile_time(${target})
 endfunction()
+
+# fathom_unity(TARGET): compiles the target's files ten at a time, so that templates of JSON, formatting and command line
+# libraries are instantiated once for all of them. Names in unnamed namespaces are therefore unique within a target.
+# FATHOM_UNITY=OFF compiles each file for itself, which is quicker after a change of one file.
+option(FATHOM_UNITY "Compile several files of a target as one" ON)
+function(fathom_unity target)
+  set_target_properties(${target} PROPERTIES UNITY_BUILD ${FATHOM_UNITY} UNITY_BUILD_BATCH_SIZE 10)
+endfunction()

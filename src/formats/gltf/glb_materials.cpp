@@ -7,6 +7,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "formats/gltf/texture_channel.h"
 #include "formats/io/read_file.h"
 #include "scene/measured.h"
 
@@ -14,7 +15,7 @@ namespace fathom {
 
 namespace {
 
-constexpr int red = 0, green = 1, blue = 2, alpha = 3;
+using namespace texture_channel;
 
 Json color_factor(Color c)
 {

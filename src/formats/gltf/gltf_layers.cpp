@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "formats/gltf/gltf_reader.h"
+#include "formats/gltf/texture_channel.h"
 #include "formats/gltf/values.h"
 #include "scene/scattering.h"
 
@@ -9,7 +10,7 @@ namespace fathom {
 
 namespace {
 
-constexpr int red = 0, green = 1, blue = 2, alpha = 3;
+using namespace texture_channel;
 
 /// KHR_materials_volume_scatter: the scattered fraction of the volume's extinction.
 void read_scatter(const JsonValue& v, Material& m)

@@ -13,8 +13,8 @@ namespace fathom {
 
 namespace {
 
-/// Each output pixel is the mean of `places` by `places` samples.
-constexpr int places = 4;
+/// Each output pixel is the mean of `subsamples` by `subsamples` samples.
+constexpr int subsamples = 4;
 
 /// A point on the cube: its face, and the position from the face's upper left corner, in [0, 1].
 struct FacePoint {
@@ -66,22 +66,22 @@ LargeVector<float> equirectangular(const std::array<CubeFace, 6>& faces)
 {
     const int width = equirectangular_width(faces), height = width / 2;
     // The image's center is the direction +x, and its right half faces +z.
-    const auto columns = angles(width * places, -std::numbers::pi, std::numbers::pi);
-    const auto rows = angles(height * places, 0, std::numbers::pi);
+    const auto columns = angles(width * subsamples, -std::numbers::pi, std::numbers::pi);
+    const auto rows = angles(height * subsamples, 0, std::numbers::pi);
     constexpr double min_alpha = 1.0 / 255;
     LargeVector<float> picture(std::size_t(width) * std::size_t(height) * 4, 1);
     tbb::parallel_for(0, height, [&](int y) {
         for (int x = 0; x < width; ++x) {
             std::array<double, 3> sum{};
-            for (int i = 0; i < places * places; ++i) {
-                const int row = y * places + i / places, column = x * places + i % places;
+            for (int i = 0; i < subsamples * subsamples; ++i) {
+                const int row = y * subsamples + i / subsamples, column = x * subsamples + i % subsamples;
                 const auto [sin_theta, cos_theta] = rows[std::size_t(row)];
                 const auto [sin_phi, cos_phi] = columns[std::size_t(column)];
                 const float* texel = texel_at(faces, {sin_theta * cos_phi, cos_theta, sin_theta * sin_phi});
                 for (std::size_t c = 0; c < 3; ++c) sum[c] += double(texel[c]) / std::max(double(texel[3]), min_alpha);
             }
             float* pixel = &picture[(std::size_t(y) * std::size_t(width) + std::size_t(x)) * 4];
-            for (std::size_t c = 0; c < 3; ++c) pixel[c] = float(sum[c] / (places * places));
+            for (std::size_t c = 0; c < 3; ++c) pixel[c] = float(sum[c] / (subsamples * subsamples));
         }
     });
     return picture;

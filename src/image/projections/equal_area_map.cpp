@@ -13,9 +13,6 @@ namespace fathom {
 
 namespace {
 
-/// Each output pixel is the mean of `places` by `places` samples.
-constexpr int places = 3;
-
 struct SquarePoint {
     double u, v;
 };
@@ -65,22 +62,23 @@ std::array<double, 3> looked_up(const CubeFace& square, const Vec3d& d)
 
 LargeVector<float> equirectangular_from_equal_area(const CubeFace& square)
 {
+    constexpr int subpixels = 3;  // along each axis of an output pixel
     const int width = equirectangular_width(square), height = square.width;
     LargeVector<float> picture(std::size_t(width) * std::size_t(height) * 4, 1);
     tbb::parallel_for(0, height, [&](int y) {
         for (int x = 0; x < width; ++x) {
             std::array<double, 3> sum{};
-            for (int i = 0; i < places * places; ++i) {
-                const int row = i / places, column = i % places;
-                const double theta = (y + (row + 0.5) / places) / height * std::numbers::pi,
-                             phi = ((x + (column + 0.5) / places) / width * 2 - 1) * std::numbers::pi;
+            for (int i = 0; i < subpixels * subpixels; ++i) {
+                const int row = i / subpixels, column = i % subpixels;
+                const double theta = (y + (row + 0.5) / subpixels) / height * std::numbers::pi,
+                             phi = ((x + (column + 0.5) / subpixels) / width * 2 - 1) * std::numbers::pi;
                 const Vec3d d{std::sin(theta) * std::cos(phi), std::cos(theta), std::sin(theta) * std::sin(phi)};
                 const std::array<double, 3> value = looked_up(square, d);
                 for (std::size_t c = 0; c < 3; ++c) sum[c] += value[c];
             }
             for (std::size_t c = 0; c < 3; ++c)
                 picture[4 * (std::size_t(y) * std::size_t(width) + std::size_t(x)) + c] =
-                    float(sum[c] / (places * places));
+                    float(sum[c] / (subpixels * subpixels));
         }
     });
     return picture;

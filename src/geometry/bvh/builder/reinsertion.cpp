@@ -13,7 +13,7 @@ namespace fathom::bvh {
 
 namespace {
 
-constexpr std::uint32_t none = BinaryNode::none;
+constexpr std::uint32_t no_node = BinaryNode::none;
 /// Smallest gain worth a move, relative to the area of the node's parent.
 constexpr float min_gain = 1e-3f;
 /// No move may put a node deeper than this: nested boxes would degenerate to a list, and traversal stacks grow with
@@ -50,7 +50,7 @@ public:
                                   std::vector<Place> waiting;
                                   for (std::size_t i = range.begin(); i < range.end(); ++i) find(moves_[i], waiting);
                               });
-            moves_.erase(std::remove_if(moves_.begin(), moves_.end(), [](const Move& m) { return m.to == none; }),
+            moves_.erase(std::remove_if(moves_.begin(), moves_.end(), [](const Move& m) { return m.to == no_node; }),
                          moves_.end());
             // The best moves come first; apply() checks what earlier moves left of the gains.
             std::sort(moves_.begin(), moves_.end(), before);
@@ -106,7 +106,7 @@ private:
     {
         moves_.clear();
         if (n >= size_) {
-            for (std::uint32_t i = 1; i < size_; ++i) moves_.push_back({i, none, 0});
+            for (std::uint32_t i = 1; i < size_; ++i) moves_.push_back({i, no_node, 0});
             return;
         }
         // A node's box is at least as large as those below it, so the search can prune.
@@ -119,7 +119,7 @@ private:
             for (std::uint32_t child : {node.left, node.right}) {
                 const float a = area(child);
                 if (!(a >= least)) continue;
-                moves_.push_back({child, none, a});
+                moves_.push_back({child, no_node, a});
                 waiting.push_back(child);
             }
         }
@@ -180,7 +180,7 @@ private:
         const std::uint32_t parent = nodes_[move.node].parent, old = sibling(move.node);
         if (parent == 0 || move.to == parent || move.to == old) return false;
         std::uint32_t depth = 0;
-        for (std::uint32_t i = move.to; i != none; i = nodes_[i].parent, ++depth)
+        for (std::uint32_t i = move.to; i != no_node; i = nodes_[i].parent, ++depth)
             if (i == move.node) return false;
         if (depth + height_above(nodes_[move.node], nodes_[move.to]) > max_depth) return false;
         if (remove(move.node) + insert(move.node, move.to) < 0) return true;
@@ -220,7 +220,7 @@ private:
     double fit(std::uint32_t i)
     {
         double growth = 0;
-        for (; i != none; i = nodes_[i].parent) {
+        for (; i != no_node; i = nodes_[i].parent) {
             BinaryNode& node = nodes_[i];
             const Box fitting = around(box(node.left), box(node.right));
             growth += double(fitting.half_area()) - double(node.box().half_area());
