@@ -54,7 +54,7 @@ void add_options(Command& command, ConvertOptions& o)
 
 void add_convert(CLI::App& program, Run& run)
 {
-    add_command(program, run, convert_text, add_options, run_convert);
+    add_command<ConvertOptions>(program, run, convert_text, add_options, run_convert);
 }
 
 }  // namespace fathom::cli

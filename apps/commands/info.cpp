@@ -47,7 +47,7 @@ void add_options(Command& command, InfoOptions& o)
 
 void add_info(CLI::App& program, Run& run)
 {
-    add_command(program, run, info_text, add_options, run_info);
+    add_command<InfoOptions>(program, run, info_text, add_options, run_info);
 }
 
 }  // namespace fathom::cli

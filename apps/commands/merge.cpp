@@ -147,7 +147,7 @@ void add_options(Command& command, MergeOptions& o)
 
 void add_merge(CLI::App& program, Run& run)
 {
-    add_command(program, run, merge_text, add_options, run_merge);
+    add_command<MergeOptions>(program, run, merge_text, add_options, run_merge);
 }
 
 }  // namespace fathom::cli

@@ -162,7 +162,7 @@ void add_options(Command& command, RenderOptions& o)
 
 void add_render(CLI::App& program, Run& run)
 {
-    add_command(program, run, render_text, add_options, run_reported);
+    add_command<RenderOptions>(program, run, render_text, add_options, run_reported);
 }
 
 }  // namespace fathom::cli

@@ -126,7 +126,7 @@ void add_options(Command& command, StatusOptions& o)
 
 void add_status(CLI::App& program, Run& run)
 {
-    add_command(program, run, status_text, add_options, run_status);
+    add_command<StatusOptions>(program, run, status_text, add_options, run_status);
 }
 
 }  // namespace fathom::cli

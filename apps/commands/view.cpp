@@ -111,7 +111,7 @@ void add_options(Command& command, ViewOptions& o)
 
 void add_view(CLI::App& program, Run& run)
 {
-    add_command(program, run, view_text, add_options, run_view);
+    add_command<ViewOptions>(program, run, view_text, add_options, run_view);
 }
 
 }  // namespace fathom::cli
