@@ -11,7 +11,7 @@ namespace fathom::cli {
 
 namespace {
 
-constexpr CommandText command_text{
+constexpr CommandText convert_text{
     "convert", "Convert a scene or model to a Fathom scene file or to GLB",
     "A converted JSON scene renders to the same bits. Meshes, curves, points and embedded images go to a folder\n"
     "beside it, named after it (scene.json: scene-files); image files are referred to where they are.\n"
@@ -54,7 +54,7 @@ void add_options(Command& command, ConvertOptions& o)
 
 void add_convert(CLI::App& program, Run& run)
 {
-    add_command(program, run, command_text, add_options, run_convert);
+    add_command<ConvertOptions>(program, run, convert_text, add_options, run_convert);
 }
 
 }  // namespace fathom::cli

@@ -11,7 +11,7 @@ namespace fathom::cli {
 
 namespace {
 
-constexpr CommandText command_text{
+constexpr CommandText info_text{
     "info", "Describe a scene, model or film file",
     "For a scene: format, files, counts, sizes, memory, cameras, lights, materials and their features, images,\n"
     "settings in the file, and what is ignored or approximated. For a film file: its samples and the missing\n"
@@ -47,7 +47,7 @@ void add_options(Command& command, InfoOptions& o)
 
 void add_info(CLI::App& program, Run& run)
 {
-    add_command(program, run, command_text, add_options, run_info);
+    add_command<InfoOptions>(program, run, info_text, add_options, run_info);
 }
 
 }  // namespace fathom::cli

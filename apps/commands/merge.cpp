@@ -19,7 +19,7 @@ namespace fathom::cli {
 
 namespace {
 
-constexpr CommandText command_text{
+constexpr CommandText merge_text{
     "merge", "Merge film files of one scene into one image",
     "The result is bit for bit the image of one run. Parts can be given in any order; missing samples are "
     "reported.\n\n"
@@ -147,7 +147,7 @@ void add_options(Command& command, MergeOptions& o)
 
 void add_merge(CLI::App& program, Run& run)
 {
-    add_command(program, run, command_text, add_options, run_merge);
+    add_command<MergeOptions>(program, run, merge_text, add_options, run_merge);
 }
 
 }  // namespace fathom::cli

@@ -18,7 +18,7 @@ namespace fathom::cli {
 
 namespace {
 
-constexpr CommandText command_text{
+constexpr CommandText render_text{
     "render", "Render a scene or model file to images",
     "An option overrides what the scene file says.\n"
     "Ctrl-C, SIGTERM or SIGHUP once writes the image and checkpoint so far (exit code 130); twice stops at once.\n"
@@ -162,7 +162,7 @@ void add_options(Command& command, RenderOptions& o)
 
 void add_render(CLI::App& program, Run& run)
 {
-    add_command(program, run, command_text, add_options, run_reported);
+    add_command<RenderOptions>(program, run, render_text, add_options, run_reported);
 }
 
 }  // namespace fathom::cli

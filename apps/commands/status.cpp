@@ -12,10 +12,10 @@ namespace fathom::cli {
 
 namespace {
 
-constexpr CommandText command_text{"status", "Report the progress of a submitted image, part by part",
-                                   "Example:\n"
-                                   "  fathom status out.exr\n\n"
-                                   "Exit codes: 0 success; 1 error; 2 wrong usage."};
+constexpr CommandText status_text{"status", "Report the progress of a submitted image, part by part",
+                                  "Example:\n"
+                                  "  fathom status out.exr\n\n"
+                                  "Exit codes: 0 success; 1 error; 2 wrong usage."};
 
 using nlohmann::ordered_json;
 
@@ -126,7 +126,7 @@ void add_options(Command& command, StatusOptions& o)
 
 void add_status(CLI::App& program, Run& run)
 {
-    add_command(program, run, command_text, add_options, run_status);
+    add_command<StatusOptions>(program, run, status_text, add_options, run_status);
 }
 
 }  // namespace fathom::cli

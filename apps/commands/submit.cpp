@@ -17,7 +17,7 @@ namespace fathom::cli {
 
 namespace {
 
-constexpr CommandText command_text{
+constexpr CommandText submit_text{
     "submit", "Render an image in parts on a cluster, or submit its missing parts",
     "SCENE and the image must be in folders that all nodes of the cluster see. Parts are kept beside the image,\n"
     "in a folder named IMAGE.parts; a task that is started again continues from its part.\n\n"
@@ -153,7 +153,7 @@ void add_scheduler_options(Command& command, SubmitOptions& o)
 void add_submit(CLI::App& program, Run& run)
 {
     const auto o = std::make_shared<SubmitOptions>();
-    const auto command = std::make_shared<Command>(program, command_text);
+    const auto command = std::make_shared<Command>(program, submit_text);
     const std::size_t first = command->option_count();
     add_scene_options(*command, o->scene);
     add_film_options(*command, o->film);

@@ -22,12 +22,12 @@ namespace fathom::cli {
 
 namespace {
 
-constexpr CommandText command_text{"view", "Show a scene in a window while it is rendered",
-                                   "H in the window lists mouse and keys; docs/view.md explains them.\n\n"
-                                   "Examples:\n"
-                                   "  fathom view model.glb\n"
-                                   "  fathom view scene.json --size 1280x720 --exposure 1 --tonemap filmic\n\n"
-                                   "Exit codes: 0 success; 1 error, such as no display; 2 wrong usage."};
+constexpr CommandText view_text{"view", "Show a scene in a window while it is rendered",
+                                "H in the window lists mouse and keys; docs/view.md explains them.\n\n"
+                                "Examples:\n"
+                                "  fathom view model.glb\n"
+                                "  fathom view scene.json --size 1280x720 --exposure 1 --tonemap filmic\n\n"
+                                "Exit codes: 0 success; 1 error, such as no display; 2 wrong usage."};
 
 struct ViewOptions {
     SceneOptions scene;
@@ -112,7 +112,7 @@ void add_options(Command& command, ViewOptions& o)
 
 void add_view(CLI::App& program, Run& run)
 {
-    add_command(program, run, command_text, add_options, run_view);
+    add_command<ViewOptions>(program, run, view_text, add_options, run_view);
 }
 
 }  // namespace fathom::cli

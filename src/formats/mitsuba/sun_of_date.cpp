@@ -5,7 +5,6 @@
 #include <cmath>
 
 #include "fathom/sun.h"
-#include "formats/common/units.h"
 
 namespace fathom::mitsuba {
 
