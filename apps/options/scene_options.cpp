@@ -158,7 +158,7 @@ void add_scene_options(Command& command, SceneOptions& o)
                        "bounding volume hierarchy: fast builds sooner, high renders faster, compact takes a third less "
                        "memory, for tens of millions of triangles; the image is the same",
                        "standard, or high for many samples"},
-                      [&](const std::string& text) { o.build = BvhQuality(parse_choice(text, tree_build_names)); });
+                      [&](const std::string& text) { o.build = BvhQuality(parse_choice(text, bvh_quality_names)); });
 }
 
 void check_scene_options(const SceneOptions& o)

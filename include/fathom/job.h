@@ -80,7 +80,7 @@ struct RenderSettings {
     /// Maximum contribution of a sample's indirect light (at least two scattering events) to each channel. It removes
     /// fireflies at the price of bias. Emission seen directly and direct lighting are not clamped.
     std::optional<float> clamp_indirect;
-    bool measure = false;  ///< Measures the time of each stage: RenderCosts::seconds of Progress::costs.
+    bool measure_stages = false;  ///< Measures the time of each stage: RenderCosts::seconds of Progress::costs.
 
     /// Returns the pixels that are rendered: the crop, or else the whole image.
     Crop rendered_pixels() const { return crop.value_or(Crop{0, 0, width, height}); }

@@ -5,6 +5,8 @@
 
 #include <initializer_list>
 
+#include "lights/kinds/records.h"
+
 namespace fathom {
 namespace {
 
@@ -155,7 +157,7 @@ TEST(Features, OfLights)
 {
     expect(lit([](LightRecord& light) { light.motion = 1; }), false, {Feature::moving_lights});
     expect(lit([](LightRecord& light) { light.material = 0; }), false, {Feature::textured_lights});
-    expect(lit([](LightRecord& light) { light.kind = std::uint32_t(LightRecordKind::curve); }), false,
+    expect(lit([](LightRecord& light) { light.set(CurveLightRecord{}); }), false,
            {Feature::curve_lights});
     SceneTables projector = plain_scene();
     projector.light_pictures.resize(1);
