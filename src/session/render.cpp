@@ -42,7 +42,7 @@ KernelSettings kernel_settings(const RenderSettings& s, const FilmLayout& layout
     k.roulette_depth = s.roulette_depth;
     k.light_sampling = s.light_sampling;
     k.light_selection = s.light_selection;
-    k.measure_stages = s.measure;
+    k.measure = s.measure_stages;
     k.clamp_indirect = s.clamp_indirect.value_or(0);
     k.filter = std::uint32_t(s.filter);
     if (s.filter_radius > 0) k.filter_stretch = float(s.filter_radius / filter_radii[k.filter]);

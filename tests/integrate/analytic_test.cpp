@@ -424,7 +424,7 @@ TEST(Lights, Tubes)
                     const Transform place = Transform::translate({0.4, height * scale, -0.2}) *
                                             Transform::rotate({1, 2, 0.5}, 0.7) *
                                             Transform::scale({scale, scale, scale});
-                    SceneBuilder b = floor_scene(0.5f);
+                    SceneBuilder b = floor_scene(0.5f, 0.06);
                     b.scene.cameras[0].fov_y = 1e-3;
                     Light light;
                     light.kind = LightKind::tube;
@@ -441,7 +441,7 @@ TEST(Lights, Tubes)
                     const double radiance = is_flux ? 5 / (std::numbers::pi * side) : 5;
                     SCOPED_TRACE(std::to_string(scale) + " " + std::to_string(height) + (is_flux ? " lm" : "") +
                                  (moves ? " moves" : ""));
-                    expect_mean(render_film(b.scene, small_picture(16, 16), 64),
+                    expect_mean(render_film(b.scene, small_image_settings(16, 16), 64),
                                 0.5 / std::numbers::pi * radiance * tube_irradiance(place, 0.5, 0.04), 0.005);
                 }
 }
@@ -450,7 +450,7 @@ TEST(Lights, Tubes)
 TEST(Lights, TubesBesideOthersAndShadowsOfTubes)
 {
     const Transform place = Transform::translate({0.5, 1, 0.2}) * Transform::rotate({0, 1, 0}, 1);
-    SceneBuilder b = floor_scene(0.5f);
+    SceneBuilder b = floor_scene(0.5f, 0.06);
     b.scene.cameras[0].fov_y = 1e-3;
     b.scene.cameras[0].position = {0.3, 0.4, 0};
     Light light;
@@ -467,16 +467,16 @@ TEST(Lights, TubesBesideOthersAndShadowsOfTubes)
     b.light(light, place);
     expected += 5 * tube_irradiance(place, 1, 0.05);
     for (const LightSelection how : {LightSelection::tree, LightSelection::power, LightSelection::uniform}) {
-        RenderSettings settings = small_picture(8, 8);
+        RenderSettings settings = small_image_settings(8, 8);
         settings.light_selection = how;
         expect_mean(render_film(b.scene, settings, 4096), 0.5 / std::numbers::pi * expected, 0.02);
     }
-    SceneBuilder dark = floor_scene(0.5f);
+    SceneBuilder dark = floor_scene(0.5f, 0.06);
     dark.scene.cameras[0].fov_y = 1e-3;
     dark.scene.cameras[0].position = {0.3, 0.4, 0};
     dark.light(light, place);
     dark.add(Rectangle{{-9, 0.7, -9}, {18, 0, 0}, {0, 0, 18}}, dark.diffuse(0));
-    expect_mean(render_film(dark.scene, small_picture(4, 4), 4), 0, 1e-6);
+    expect_mean(render_film(dark.scene, small_image_settings(4, 4), 4), 0, 1e-6);
 }
 
 /// Vanishing angles give finite light: a directional light keeps its irradiance; a spot light emits only along its

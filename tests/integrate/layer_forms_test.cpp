@@ -11,7 +11,7 @@ namespace {
 
 using namespace test;
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 
 /// Radiance of a square in the plane z = 0 with tangent +x and normal +z.
 struct Shown {

@@ -7,7 +7,7 @@ namespace {
 
 using namespace test;
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 
 /// More primitives than a flat scene allows, out of view, so that visible shapes are intersected through the BVH.
 void add_crowd(SceneBuilder& b, Vec3d at, double size)

@@ -14,7 +14,7 @@ namespace fathom {
 namespace {
 
 /// A camera at (0, 0, 6) that looks along -z at an object at the origin.
-class LightingProbe : public ::testing::Test {
+class LightingProbeTest : public ::testing::Test {
 protected:
     SceneDescription d = test::model_viewed_from({0, 0, 6});
     Warnings warnings;
@@ -44,7 +44,7 @@ protected:
 };
 
 /// A low sun gets an exposure but no studio lights.
-TEST_F(LightingProbe, ExposesForAnEveningSky)
+TEST_F(LightingProbeTest, ExposesForAnEveningSky)
 {
     d.environment.kind = EnvironmentKind::sky;
     d.environment.to_sun = {-0.5, 0.05, 0.5};
@@ -57,7 +57,7 @@ TEST_F(LightingProbe, ExposesForAnEveningSky)
 
 /// A sphere lit from the camera has radiance albedo / pi * cosine * illuminance; half of its disk has a cosine above
 /// sqrt(0.5), 5 % above sqrt(0.95).
-TEST_F(LightingProbe, MeasuresASphereInTheSun)
+TEST_F(LightingProbeTest, MeasuresASphereInTheSun)
 {
     add_sun(10);
     d.cameras[0].kind = CameraKind::orthographic;
@@ -71,7 +71,7 @@ TEST_F(LightingProbe, MeasuresASphereInTheSun)
 }
 
 /// Visible lights, unlit materials and the background are ignored.
-TEST_F(LightingProbe, LampsInViewDoNotCount)
+TEST_F(LightingProbeTest, LampsInViewDoNotCount)
 {
     add_sun(10);
     const LightingProbe before = look();
@@ -84,7 +84,7 @@ TEST_F(LightingProbe, LampsInViewDoNotCount)
     EXPECT_NEAR(after.exposure_ev(), before.exposure_ev(), 0.2);
 }
 
-TEST_F(LightingProbe, ExposesForTheLightOfTheFile)
+TEST_F(LightingProbeTest, ExposesForTheLightOfTheFile)
 {
     for (const double lux : {0.001, 3.0, 100000.0}) {
         SceneDescription dark = d;
@@ -105,7 +105,7 @@ TEST_F(LightingProbe, ExposesForTheLightOfTheFile)
 }
 
 /// Automatic light is kept when the scene is edited, and equals that of the scene alone.
-TEST_F(LightingProbe, EditsKeepTheirLight)
+TEST_F(LightingProbeTest, EditsKeepTheirLight)
 {
     add_sun(100000);
     for (const LightingMode choice : {LightingMode::automatic, LightingMode::studio}) {
@@ -124,7 +124,7 @@ TEST_F(LightingProbe, EditsKeepTheirLight)
     }
 }
 
-TEST_F(LightingProbe, AddsAStudioWithoutLights)
+TEST_F(LightingProbeTest, AddsAStudioWithoutLights)
 {
     const LitScene scene = lit();
     EXPECT_TRUE(scene.studio);
@@ -140,7 +140,7 @@ TEST_F(LightingProbe, AddsAStudioWithoutLights)
 }
 
 /// A weak emission or a light behind the subject leaves it dark, so studio lights are added.
-TEST_F(LightingProbe, AddsAStudioWhereLightReachesLittle)
+TEST_F(LightingProbeTest, AddsAStudioWhereLightReachesLittle)
 {
     const SceneDescription dark = d;
     const int led = add_lamp({2, 0, 0});
@@ -159,7 +159,7 @@ TEST_F(LightingProbe, AddsAStudioWhereLightReachesLittle)
 }
 
 /// A dim emissive wall reaches the whole model, but the exposure ignores it.
-TEST_F(LightingProbe, DimSurfacesAreDecoration)
+TEST_F(LightingProbeTest, DimSurfacesAreDecoration)
 {
     const int panel = add_lamp({0.05f, 0.05f, 0.05f});
     d.nodes[0].shapes.push_back({Rectangle{{4, -4, 8}, {-8, 0, 0}, {0, 8, 0}}, panel, ""});
@@ -169,7 +169,7 @@ TEST_F(LightingProbe, DimSurfacesAreDecoration)
 }
 
 /// The key light is left of the camera for any camera position.
-TEST_F(LightingProbe, StudioTurnsWithTheCamera)
+TEST_F(LightingProbeTest, StudioTurnsWithTheCamera)
 {
     for (const double angle : {0.0, 1.0, 2.5, -1.5}) {
         d.cameras[0].position = {6 * std::sin(angle), 0, 6 * std::cos(angle)};
@@ -189,7 +189,7 @@ TEST_F(LightingProbe, StudioTurnsWithTheCamera)
 }
 
 /// Unlit models are shown unchanged.
-TEST_F(LightingProbe, KeepsUnlitModels)
+TEST_F(LightingProbeTest, KeepsUnlitModels)
 {
     d.materials[0].kind = MaterialKind::unlit;
     const LitScene scene = lit();

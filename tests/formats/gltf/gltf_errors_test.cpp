@@ -36,12 +36,12 @@ TEST_F(GltfErrors, Containers)
 }
 
 /// A file with one primitive whose POSITION is accessor 0, and the expected error.
-struct Case {
+struct WrongFile {
     const char* accessors;
     const char* views;
     const char* error;
 };
-class GltfAccessorError : public ImportTest, public ::testing::WithParamInterface<Case> {};
+class GltfAccessorError : public ImportTest, public ::testing::WithParamInterface<WrongFile> {};
 
 TEST_P(GltfAccessorError, Message)
 {
@@ -59,54 +59,54 @@ TEST_P(GltfAccessorError, Message)
 INSTANTIATE_TEST_SUITE_P(
     All, GltfAccessorError,
     ::testing::Values(
-        Case{R"({"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3"})", GOOD_VIEW,
+        WrongFile{R"({"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3"})", GOOD_VIEW,
              "meshes[0].primitives[0].indices: there is no accessors[1]: the file has 1"},
-        Case{R"({"bufferView": 0, "componentType": 5126, "count": 4, "type": "VEC3"},)" INDICES, GOOD_VIEW,
+        WrongFile{R"({"bufferView": 0, "componentType": 5126, "count": 4, "type": "VEC3"},)" INDICES, GOOD_VIEW,
              "accessors[0]: 4 elements of 12 bytes from offset 0 on do not fit into the view's 36 bytes"},
-        Case{R"({"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3", "byteOffset": 1},)" INDICES,
+        WrongFile{R"({"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3", "byteOffset": 1},)" INDICES,
              GOOD_VIEW, "accessors[0]: 3 elements of 12 bytes from offset 1 on do not fit into the view's 36 bytes"},
-        Case{
+        WrongFile{
             R"({"bufferView": 0, "componentType": 5126, "count": 9007199254740992, "type": "VEC3"},)" INDICES,
             GOOD_VIEW,
             "accessors[0]: 9007199254740992 elements of 12 bytes from offset 0 on do not fit into the view's 36 bytes"},
-        Case{
+        WrongFile{
             R"({"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3", "byteOffset": 9007199254740992},)" INDICES,
             GOOD_VIEW,
             "accessors[0]: 3 elements of 12 bytes from offset 9007199254740992 on do not fit into the view's 36 bytes"},
-        Case{R"({"componentType": 5126, "count": 9007199254740992, "type": "VEC3"},)" INDICES, GOOD_VIEW,
+        WrongFile{R"({"componentType": 5126, "count": 9007199254740992, "type": "VEC3"},)" INDICES, GOOD_VIEW,
              "accessors[0].count: 9007199254740992 elements without a bufferView are too many"},
-        Case{R"({"bufferView": 0, "componentType": 5126, "count": -3, "type": "VEC3"},)" INDICES, GOOD_VIEW,
+        WrongFile{R"({"bufferView": 0, "componentType": 5126, "count": -3, "type": "VEC3"},)" INDICES, GOOD_VIEW,
              "accessors[0].count: expected a whole number of at least 0, found -3"},
-        Case{R"({"bufferView": 0, "componentType": 5126, "count": 0, "type": "VEC3"},)" INDICES, GOOD_VIEW,
+        WrongFile{R"({"bufferView": 0, "componentType": 5126, "count": 0, "type": "VEC3"},)" INDICES, GOOD_VIEW,
              "accessors[0].count: must be at least 1"},
-        Case{R"({"bufferView": 0, "componentType": 5126, "type": "VEC3"},)" INDICES, GOOD_VIEW,
+        WrongFile{R"({"bufferView": 0, "componentType": 5126, "type": "VEC3"},)" INDICES, GOOD_VIEW,
              "accessors[0]: key 'count' is missing"},
-        Case{R"({"bufferView": 0, "componentType": 5124, "count": 3, "type": "VEC3"},)" INDICES, GOOD_VIEW,
+        WrongFile{R"({"bufferView": 0, "componentType": 5124, "count": 3, "type": "VEC3"},)" INDICES, GOOD_VIEW,
              "accessors[0].componentType: 5124 is not a component type"},
-        Case{R"({"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC9"},)" INDICES, GOOD_VIEW,
+        WrongFile{R"({"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC9"},)" INDICES, GOOD_VIEW,
              "accessors[0].type: must be SCALAR, VEC2, VEC3, VEC4, MAT2, MAT3 or MAT4"},
-        Case{R"({"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC2"},)" INDICES, GOOD_VIEW,
+        WrongFile{R"({"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC2"},)" INDICES, GOOD_VIEW,
              "accessors[0]: positions must be VEC3"},
-        Case{R"({"bufferView": 1, "componentType": 5126, "count": 3, "type": "VEC3"},)" INDICES, GOOD_VIEW,
+        WrongFile{R"({"bufferView": 1, "componentType": 5126, "count": 3, "type": "VEC3"},)" INDICES, GOOD_VIEW,
              "accessors[0].bufferView: there is no bufferViews[1]: the file has 1"},
-        Case{R"({"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3"},)" INDICES,
+        WrongFile{R"({"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3"},)" INDICES,
              R"({"buffer": 0, "byteLength": 37})",
              "bufferViews[0]: bytes 0 to 37 are not in the buffer, which has 36 bytes"},
-        Case{R"({"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3"},)" INDICES,
+        WrongFile{R"({"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3"},)" INDICES,
              R"({"buffer": 0, "byteLength": 36, "byteOffset": 9007199254740992})",
              "bufferViews[0]: bytes 9007199254740992 to 9007199254741028 are not in the buffer, which has 36 bytes"},
-        Case{R"({"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3"},)" INDICES,
+        WrongFile{R"({"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3"},)" INDICES,
              R"({"buffer": 0, "byteLength": 36, "byteStride": 8})",
              "accessors[0]: elements of 12 bytes overlap: the view's stride is 8"},
-        Case{R"({"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3"},)" INDICES,
+        WrongFile{R"({"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3"},)" INDICES,
              R"({"buffer": 2, "byteLength": 36})", "bufferViews[0].buffer: there is no buffers[2]: the file has 1"},
-        Case{R"({"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3"},
+        WrongFile{R"({"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3"},
                 {"bufferView": 0, "componentType": 5123, "count": 3, "type": "SCALAR", "byteOffset": 14})",
              GOOD_VIEW, "accessors[1]: index 16256 is out of range: there are 3 vertices"},
-        Case{R"({"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3"},
+        WrongFile{R"({"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3"},
                 {"bufferView": 0, "componentType": 5126, "count": 3, "type": "SCALAR"})",
              GOOD_VIEW, "accessors[1]: indices must be unsigned integers"},
-        Case{R"({"componentType": 5126, "count": 3, "type": "VEC3", "sparse": {"count": 1, "indices": {"bufferView": 0,
+        WrongFile{R"({"componentType": 5126, "count": 3, "type": "VEC3", "sparse": {"count": 1, "indices": {"bufferView": 0,
                 "componentType": 5123, "byteOffset": 14}, "values": {"bufferView": 0}}},)" INDICES,
              GOOD_VIEW, "accessors[0].sparse.indices: index 16256 is out of range: there are 3 elements"}));
 

@@ -15,7 +15,7 @@ namespace {
 
 using test::TemporaryFolder;
 
-std::string error_of(const std::string& bytes)
+std::string error_of_image(const std::string& bytes)
 {
     try {
         read_image("a", bytes.data(), bytes.size());
@@ -52,7 +52,7 @@ std::string exr_of_integers()
 
 TEST(Exr, WithoutAnythingButIntegersIsNoPicture)
 {
-    EXPECT_EQ(error_of(exr_of_integers()), "it contains no image: all its channels are integers, such as ids");
+    EXPECT_EQ(error_of_image(exr_of_integers()), "it contains no image: all its channels are integers, such as ids");
 }
 
 TEST(Exr, AttributesLongerThanTheFileAreNotBelieved)
@@ -64,7 +64,7 @@ TEST(Exr, AttributesLongerThanTheFileAreNotBelieved)
     ASSERT_NE(at, std::string::npos);
     file.replace(at, name.size() + 4, std::string("compression") + '\0' + "string" + '\0' + raw(0x7ffffff0));
     const test::MemoryLimit limit(rlim_t(1) << 30);
-    EXPECT_EQ(error_of(file), "the file is truncated or damaged");
+    EXPECT_EQ(error_of_image(file), "the file is truncated or damaged");
 }
 
 TEST(Exr, AttributesThatReachIntoTheNextAreNotBelieved)
@@ -81,7 +81,7 @@ TEST(Exr, AttributesThatReachIntoTheNextAreNotBelieved)
         size += std::int32_t(text.size());
         std::memcpy(&file[at], &size, 4);
         const test::MemoryLimit limit(rlim_t(1) << 30);
-        EXPECT_EQ(error_of(file), "the file is truncated or damaged") << word;
+        EXPECT_EQ(error_of_image(file), "the file is truncated or damaged") << word;
     }
 }
 
@@ -116,7 +116,7 @@ TEST(Png, PalettesOfFewBits)
 {
     for (const int bits : {1, 2, 4, 8}) {
         const std::string bytes = png_of_one_colour(1500, bits, PNG_COLOR_TYPE_PALETTE);
-        ASSERT_EQ(error_of(bytes), "read") << bits;
+        ASSERT_EQ(error_of_image(bytes), "read") << bits;
         const Image image = read_image("a", bytes.data(), bytes.size());
         EXPECT_EQ(image.width, 1500);
         ASSERT_EQ(image.layers.at(0).channels.size(), 4u);
@@ -124,16 +124,16 @@ TEST(Png, PalettesOfFewBits)
         EXPECT_EQ(last, (std::vector<float>{0.2f, 0.4f, 1, 1}));
     }
     for (const int bits : {1, 2, 4, 8, 16})
-        EXPECT_EQ(error_of(png_of_one_colour(1500, bits, PNG_COLOR_TYPE_GRAY)), "read") << bits;
+        EXPECT_EQ(error_of_image(png_of_one_colour(1500, bits, PNG_COLOR_TYPE_GRAY)), "read") << bits;
 }
 
 TEST(Pnm, NumbersThatWrapAroundAreRefused)
 {
-    EXPECT_EQ(error_of("P6 2 2 255 abcdefghijkl"), "read");
-    EXPECT_EQ(error_of("P6 #4294967298\n2 2 255 1234567890ab"), "read");
+    EXPECT_EQ(error_of_image("P6 2 2 255 abcdefghijkl"), "read");
+    EXPECT_EQ(error_of_image("P6 #4294967298\n2 2 255 1234567890ab"), "read");
     // The width wraps around to 2 modulo 2^32.
-    EXPECT_EQ(error_of("P6 4294967298 2 255 abcdefghijkl"), "damaged image: a number in its header is too large");
-    EXPECT_EQ(error_of("P6 2 2 4294967551 abcdefghijkl"), "damaged image: a number in its header is too large");
+    EXPECT_EQ(error_of_image("P6 4294967298 2 255 abcdefghijkl"), "damaged image: a number in its header is too large");
+    EXPECT_EQ(error_of_image("P6 2 2 4294967551 abcdefghijkl"), "damaged image: a number in its header is too large");
 }
 
 TEST(ReadImage, RefusesPipesAndDevicesAtOnce)

@@ -33,11 +33,11 @@ int code16(const DisplayMap& map, float x)
 using Rgb = std::array<double, 3>;
 using Matrix3 = std::array<Rgb, 3>;
 
-Rgb times(const Matrix3& m, const Rgb& v)
+Rgb product(const Matrix3& m, const Rgb& v)
 {
-    Rgb product{};
-    for (int i = 0; i < 3; ++i) product[i] = std::inner_product(v.begin(), v.end(), m[i].begin(), 0.0);
-    return product;
+    Rgb result{};
+    for (int i = 0; i < 3; ++i) result[i] = std::inner_product(v.begin(), v.end(), m[i].begin(), 0.0);
+    return result;
 }
 
 Matrix3 inverse(const Matrix3& m)
@@ -140,16 +140,16 @@ Rgb sobotka(const Rgb& radiance)
     const Matrix3 before_outset = {{{0.899796955911611, 0.0871996192028351, 0.013003424885555},
                                     {0.11142098895748, 0.875575586156966, 0.0130034248855548},
                                     {0.11142098895748, 0.0871996192028349, 0.801379391839686}}};
-    Rgb v = times(inset, times(to_2020, radiance));
+    Rgb v = product(inset, product(to_2020, radiance));
     for (double& x : v) {
         // Blender's polynomial in Horner's form instead of powers.
         const double ev = std::log2(std::max(x, 1e-10)), least = std::log2(0.18) - 10, most = std::log2(0.18) + 6.5;
         const double t = std::clamp((ev - least) / (most - least), 0.0, 1.0);
         x = -0.00232 + t * (0.1191 + t * (0.4298 + t * (-6.868 + t * (31.96 + t * (-40.14 + t * 15.5)))));
     }
-    v = times(inverse(before_outset), v);
+    v = product(inverse(before_outset), v);
     for (double& x : v) x = std::pow(std::max(x, 0.0), 2.2);
-    v = times(inverse(to_2020), v);
+    v = product(inverse(to_2020), v);
     for (double& x : v) x = std::clamp(x, 0.0, 1.0);
     return v;
 }
