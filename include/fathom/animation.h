@@ -33,8 +33,8 @@ enum class AnimatedProperty {
     metallic,      ///< Material::metallic, 0 to 1 (1 float).
     roughness,     ///< Material::roughness, 0 to 1 (1 float).
     emission,      ///< Emitted radiance in nits (3 floats).
-    alpha_cutoff,  ///< Material::alpha_cutoff (1 float).
-    normal_scale,  ///< Material::normal_scale (1 float).
+    alpha_cutoff,  ///< Material::Opacity::cutoff (1 float).
+    normal_scale,  ///< Material::NormalMap::scale (1 float).
     // Of a light. Values are clamped to their valid range.
     intensity,    ///< Light::intensity (3 floats).
     inner_angle,  ///< Half angle of a spot's inner cone in radians (1 float).

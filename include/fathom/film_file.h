@@ -68,11 +68,11 @@ public:
     /// Encodes a film file in memory.
     ///
     /// film     Its sums are stored.
-    /// picture  Image of the same size that viewers of the file show. Its attributes are stored too.
+    /// image    Image of the same size that viewers of the file show. Its attributes are stored too.
     /// options  Only the settings for EXR are used.
     ///
     /// Throws Error if the image has another size than the film.
-    void take(const Film& film, const Image& picture, const WriteOptions& options);
+    void take(const Film& film, const Image& image, const WriteOptions& options);
     /// Returns the size of the encoded file in bytes.
     std::size_t size_bytes() const;
     /// Writes the file atomically: to a temporary file, which is synced and then renamed.
@@ -90,7 +90,7 @@ private:
 
 /// Writes a film file at once: FilmSnapshot::take() and FilmSnapshot::write(). Throws Error naming the file if that
 /// fails, also for lack of memory.
-FATHOM_API void write_film(const std::filesystem::path& file, const Film& film, const Image& picture,
+FATHOM_API void write_film(const std::filesystem::path& file, const Film& film, const Image& image,
                            const WriteOptions& options);
 
 }  // namespace fathom
