@@ -2,6 +2,7 @@
 /// Lights, lenses and textures against closed forms, one at a time: any factor of two would show.
 #include "image/pictures.h"
 #include "picture_helpers.h"
+#include "scene/parameters.h"
 
 namespace fathom {
 namespace {

@@ -4,6 +4,7 @@
 #include <span>
 
 #include "picture_helpers.h"
+#include "scene/parameters.h"
 
 // Effects of textures, normal maps and tangents on layered materials: a square under one directional light.
 namespace fathom {

@@ -155,8 +155,8 @@ TEST_F(MitsubaLegacy, OtherBsdfs)
                                     diffuse("0.1") + diffuse("0.2") + diffuse("0.3") + "</bsdf>");
     ASSERT_EQ(three.kind, MaterialKind::mix);
     EXPECT_FLOAT_EQ(three.mixture.factor.value, 0.8f);
-    EXPECT_FLOAT_EQ(part(three.mixture.material_b).factor.value, 0.625f);
-    expect_color(part(part(three.mixture.material_b).material_b).base_color.value, 0.3, 0, 0);
+    EXPECT_FLOAT_EQ(part(three.mixture.material_b).mixture.factor.value, 0.625f);
+    expect_color(part(part(three.mixture.material_b).mixture.material_b).base_color.value, 0.3, 0, 0);
     EXPECT_EQ(
         error_of("a.xml",
                  old_scene_of(R"(<shape type="sphere"><bsdf type="mixturebsdf"><string name="weights" value="1, 2"/>)" +

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "mitsuba_fixture.h"
+#include "scene/parameters.h"
 
 namespace fathom::test {
 namespace {
@@ -58,7 +59,7 @@ TEST_F(MitsubaOpacity, EmissionIsNotScaled)
         expect_color(m.emission.radiance.value, 2, 1, 0.5);
         EXPECT_EQ(part(scene, m.mixture.material_a).ior, 1);
         EXPECT_EQ(part(scene, m.mixture.material_b).kind, MaterialKind::diffuse);
-        EXPECT_EQ(part(scene, m.mixture.material_b).alpha_mode, AlphaMode::opaque);
+        EXPECT_EQ(part(scene, m.mixture.material_b).opacity.mode, AlphaMode::opaque);
     }
 }
 
@@ -207,11 +208,11 @@ TEST_F(MitsubaOpacity, BumpsBehindSurfaces)
     EXPECT_NE(material_of(around).kind, MaterialKind::two_sided);
     const SceneDescription other =
         plate(two + red + "<bsdf type=\"normalmap\">" + picture("normalmap", raw) + red + end + end);
-    EXPECT_EQ(part(other, material_of(other).mixture.material_b).normal_scale, -1);
-    EXPECT_EQ(part(other, material_of(other).mixture.material_a).normal_texture, -1);
+    EXPECT_EQ(part(other, material_of(other).mixture.material_b).normal_map.scale, -1);
+    EXPECT_EQ(part(other, material_of(other).mixture.material_a).normal_map.texture, -1);
     const SceneDescription masked_one = plate(two + "<bsdf type=\"mask\">" + map + red + end + end + end);
     EXPECT_EQ(material_of(masked_one).opacity.alpha.value, 0.5f);
-    EXPECT_EQ(part(masked_one, material_of(masked_one).mixture.material_a).alpha_mode, AlphaMode::opaque);
+    EXPECT_EQ(part(masked_one, material_of(masked_one).mixture.material_a).opacity.mode, AlphaMode::opaque);
 }
 
 /// Mitsuba's frame of a normal map is built from dp/du and the normal, although its rectangles show images upside down.
