@@ -316,7 +316,8 @@ SceneDescription lamp_above()
 TEST(Guiding, IsLeftOutWhereItWouldNotPay)
 {
     const SceneDescription scene = lamp_above();
-    EXPECT_EQ(render_film(scene, guided(), 8).sums().words, render_film(scene, small_image_settings(), 8).sums().words);
+    EXPECT_EQ(test::words_of(render_film(scene, guided(), 8)),
+              test::words_of(render_film(scene, small_image_settings(), 8)));
 }
 
 /// Time for learning is reported even if guiding is then disabled; without guiding it is 0.

@@ -99,7 +99,8 @@ TEST_P(TextureFormats, ShowTheValuesOfTheFile)
     write_image(file_, noise(false, kind.most), kind.write);
     const Image stored = read_image(file_);
     const SceneDescription scene = square(file_, kind.space);
-    const Image shown = test::render_film(scene, test::small_image_settings(image_side, image_side), 1).image(false, false);
+    const Image shown =
+        test::render_film(scene, test::small_image_settings(image_side, image_side), 1).image(false, false);
     const bool decode = kind.space == ColorSpace::srgb && !stored.is_linear;
     for (std::size_t i = 0; i < stored.layers[0].pixels.size(); ++i) {
         const double v = double(stored.layers[0].pixels[i]), expected = decode ? linear_from_srgb(v) : v;
@@ -135,11 +136,13 @@ TEST_P(TextureFormats, MixTexelsAlike)
     scene.textures[0].nearest = false;
     scene.textures[0].wrap_u = Wrap::mirror;
     scene.textures[0].uv_scale = {1.7f, 2.1f};
-    const Image shown = test::render_film(scene, test::small_image_settings(image_side, image_side), 1).image(false, false);
+    const Image shown =
+        test::render_film(scene, test::small_image_settings(image_side, image_side), 1).image(false, false);
     const std::filesystem::path floats = file_.string() + ".exr";
     write_image(floats, decoded, {});
     scene.images[0].path = floats;
-    const Image expected = test::render_film(scene, test::small_image_settings(image_side, image_side), 1).image(false, false);
+    const Image expected =
+        test::render_film(scene, test::small_image_settings(image_side, image_side), 1).image(false, false);
     std::filesystem::remove(floats);
     int different = 0;
     for (std::size_t i = 0; i < shown.layers[0].pixels.size(); ++i) {
@@ -162,7 +165,8 @@ TEST_P(TextureAlpha, DecidesWhatIsCutAway)
     scene.materials[0].opacity.alpha = {1, 0, 3};
     scene.materials[0].opacity.cutoff = 101.0f / 255;
     scene.materials[0].base_color = {{1, 1, 1}, -1};
-    const Image shown = test::render_film(scene, test::small_image_settings(image_side, image_side), 1).image(false, false);
+    const Image shown =
+        test::render_film(scene, test::small_image_settings(image_side, image_side), 1).image(false, false);
     for (std::size_t i = 0; i < std::size_t(image_side) * image_side; ++i)
         ASSERT_EQ(shown.layers[0].pixels[3 * i], stored.layers[0].pixels[4 * i + 3] >= 101.0f / 255 ? 1 : 0) << i;
 }

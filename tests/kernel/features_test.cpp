@@ -157,8 +157,7 @@ TEST(Features, OfLights)
 {
     expect(lit([](LightRecord& light) { light.motion = 1; }), false, {Feature::moving_lights});
     expect(lit([](LightRecord& light) { light.material = 0; }), false, {Feature::textured_lights});
-    expect(lit([](LightRecord& light) { light.set(CurveLightRecord{}); }), false,
-           {Feature::curve_lights});
+    expect(lit([](LightRecord& light) { light.set(CurveLightRecord{}); }), false, {Feature::curve_lights});
     SceneTables projector = plain_scene();
     projector.light_pictures.resize(1);
     expect(projector, false, {Feature::light_pictures});

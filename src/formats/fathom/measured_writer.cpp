@@ -49,14 +49,14 @@ std::string measured_file(const MeasuredBrdf& brdf)
     // Readers require a description. A constant keeps the file unchanged when it is read and written again.
     const std::string name = "a measured surface";
     const TensorField fields[] = {floats("phi_i", {phis}, brdf.phi),
-                            floats("theta_i", {thetas}, brdf.theta),
-                            table("ndf", {}, brdf.ndf),
-                            table("sigma", {}, brdf.sigma),
-                            table("vndf", {phis, thetas}, brdf.vndf),
-                            table("luminance", {phis, thetas}, brdf.luminance),
-                            table("rgb", {phis, thetas, 3}, brdf.color),
-                            {"jacobian", {1}, std::string(1, char(brdf.color_is_per_facet)), uint8},
-                            {"description", {name.size()}, name, uint8}};
+                                  floats("theta_i", {thetas}, brdf.theta),
+                                  table("ndf", {}, brdf.ndf),
+                                  table("sigma", {}, brdf.sigma),
+                                  table("vndf", {phis, thetas}, brdf.vndf),
+                                  table("luminance", {phis, thetas}, brdf.luminance),
+                                  table("rgb", {phis, thetas, 3}, brdf.color),
+                                  {"jacobian", {1}, std::string(1, char(brdf.color_is_per_facet)), uint8},
+                                  {"description", {name.size()}, name, uint8}};
     std::size_t offset = 0;
     const auto header = [&] {
         std::string text("tensor_file\0\x01\0"sv);

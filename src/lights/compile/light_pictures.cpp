@@ -162,8 +162,8 @@ double widened(double one_minus_cosine)
     return one_minus_cosine * (1 + 1e-4) + 1e-6;
 }
 
-PixelSums describe_plane(const Light& light, const LightImages::Image& image, const Texels& texels, LightPictureRecord& t,
-                    PicturedIntensity& result)
+PixelSums describe_plane(const Light& light, const LightImages::Image& image, const Texels& texels,
+                         LightPictureRecord& t, PicturedIntensity& result)
 {
     const double spot =
         std::min(light.outer_angle < pi / 2 ? std::tan(light.outer_angle) : largest_tangent, largest_tangent);
@@ -179,7 +179,7 @@ PixelSums describe_plane(const Light& light, const LightImages::Image& image, co
 }
 
 PixelSums describe_angles(const LightImages::Image& image, const Texels& texels, LightPictureRecord& t,
-                     PicturedIntensity& result)
+                          PicturedIntensity& result)
 {
     t.map = std::uint32_t(LightPictureMap::angles);
     t.scale_u = float(image.width / (2 * pi));
@@ -255,8 +255,8 @@ PicturedIntensity add_light_picture(Compiler& c, const Light& light)
     t.map = std::uint32_t(LightPictureMap::equal_area);
     const Texels texels(c, image, light.intensity);
     const PixelSums sums = image.is_profile ? describe_angles(image, texels, t, result)
-                      : is_goniometric ? sum_equal_area(texels, image)
-                                       : describe_plane(light, image, texels, t, result);
+                           : is_goniometric ? sum_equal_area(texels, image)
+                                            : describe_plane(light, image, texels, t, result);
     const bool is_flux = light.kind != LightKind::spot && light.intensity_is_flux;
     if (is_flux) result.factor = sums.flux > 0 ? 1 / sums.flux : 0;
     result.typical = result.factor * std::sqrt(sums.squares / sums.solid_angle);

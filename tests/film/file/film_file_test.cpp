@@ -11,6 +11,7 @@
 #include "film/made_film.h"
 #include "image/pictures.h"
 #include "support/error_message.h"
+#include "support/film_contents.h"
 
 namespace fathom {
 namespace {
@@ -157,7 +158,7 @@ TEST(FilmFile, RejectsAFilmOfAnotherScene)
     const FilmFile file(folder.path() / "a.exr");
     Film overlapping = some_film(2, 4), other = some_film(5, 6, {Aov::depth});
     for (Film* film : {&overlapping, &other}) {
-        const Film::Sums before = film->sums();
+        const Film before = test::copy_of(*film);
         const std::string message = error_text([&] { file.add_to(*film); });
         EXPECT_NE(message.find("a.exr: "), std::string::npos) << message;
         EXPECT_NE(message.find(film == &other ? "aovs is , not 2" : "overlap"), std::string::npos) << message;

@@ -37,8 +37,9 @@ struct Entry {
 template <class What>
 void for_parts(std::size_t n, const What& what)
 {
-    tbb::parallel_for(std::size_t(0), (n + cluster_part_size - 1) / cluster_part_size,
-                      [&](std::size_t part) { what(part, part * cluster_part_size, std::min(n, (part + 1) * cluster_part_size)); });
+    tbb::parallel_for(std::size_t(0), (n + cluster_part_size - 1) / cluster_part_size, [&](std::size_t part) {
+        what(part, part * cluster_part_size, std::min(n, (part + 1) * cluster_part_size));
+    });
 }
 
 /// Least significant digit radix sort; each pass is stable.
