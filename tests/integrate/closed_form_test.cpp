@@ -9,7 +9,7 @@ namespace {
 
 using namespace test;
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 
 TEST(ClosedForm, PointLightsAtDistancesAndAngles)
 {

@@ -7,7 +7,7 @@ namespace {
 
 using namespace test;
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 
 Material lamp(float radiance)
 {

@@ -98,7 +98,7 @@ void expect_textured_numbers(const Shown& shown, void (*add_objects)(Material&),
             const auto render = [&](float times, bool textured) {
                 return shown.of([&](Material& m, SceneBuilder& b) {
                     add_objects(m);
-                    FloatInput& input = m.*member;
+                    FloatInput& input = member(m);
                     input.value *= times;
                     input.channel = channel;
                     if (textured) input.texture = constant(b, {0.5f, 0.75f, 0.625f});
@@ -166,7 +166,7 @@ TEST(LayerForms, ColorsHaveTextures)
         const auto render = [&](Color times, bool textured) {
             return shown.of([&](Material& m, SceneBuilder& b) {
                 enable_all_layers(m);
-                ColorInput& input = m.*member;
+                ColorInput& input = member(m);
                 input.value = {input.value.r * times.r, input.value.g * times.g, input.value.b * times.b};
                 if (textured) input.texture = constant(b, {0.5f, 0.75f, 0.25f});
             });

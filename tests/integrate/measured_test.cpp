@@ -7,7 +7,7 @@ namespace {
 
 using namespace test;
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 
 /// A diffuse measured BRDF whose value per channel depends on the azimuth of the view only; integrals are 2 pi times
 /// it.

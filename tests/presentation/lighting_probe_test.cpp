@@ -19,7 +19,7 @@ protected:
     SceneDescription d = test::model_viewed_from({0, 0, 6});
     Warnings warnings;
 
-    LightingProbe()
+    LightingProbeTest()
     {
         d.materials[0].base_color.value = {0.5f, 0.5f, 0.5f};
         d.nodes[0].shapes.push_back({Sphere{{0, 0, 0}, 1.5, {}}, 0, ""});

@@ -17,7 +17,7 @@ namespace fathom::mitsuba {
 
 namespace {
 
-using Place = std::array<int, 3>;
+using GridPoint = std::array<int, 3>;
 
 class Grid {
 public:
@@ -50,7 +50,7 @@ public:
     int cells(std::size_t axis) const { return size_[axis] - 1; }
 
     /// Distances at a cell's corners; the bits of a corner's index are x, y, z.
-    std::array<double, 8> corners(const Place& cell) const
+    std::array<double, 8> corners(const GridPoint& cell) const
     {
         std::array<double, 8> v;
         for (std::size_t i = 0; i < 8; ++i)
@@ -59,7 +59,7 @@ public:
     }
     /// Gradient of a cell's trilinear interpolant in the unit cube, at a position in units of cells; the interpolant is
     /// extrapolated outside of its cell.
-    Vec3d gradient(const Place& cell, Vec3d p) const
+    Vec3d gradient(const GridPoint& cell, Vec3d p) const
     {
         const std::array<double, 8> c = corners(cell);
         const double u[] = {p.x - cell[0], p.y - cell[1], p.z - cell[2]};
@@ -77,7 +77,7 @@ public:
     Vec3d smooth_normal(Vec3d p) const
     {
         const double at[] = {p.x, p.y, p.z};
-        Place first;
+        GridPoint first;
         double share[3];
         for (std::size_t k = 0; k < 3; ++k) {
             first[k] = int(std::round(at[k])) - 1;
@@ -87,7 +87,7 @@ public:
         }
         Vec3d sum;
         for (std::size_t i = 0; i < 8; ++i) {
-            Place cell;
+            GridPoint cell;
             double weight = 1;
             for (std::size_t k = 0; k < 3; ++k) {
                 cell[k] = std::clamp(first[k] + int(i >> k & 1), 0, cells(k) - 1);
@@ -104,7 +104,7 @@ private:
         return values_[(std::size_t(z) * std::size_t(size_[1]) + std::size_t(y)) * std::size_t(size_[0]) +
                        std::size_t(x)];
     }
-    Place size_{};
+    GridPoint size_{};
     std::vector<float> values_;
 };
 
@@ -126,7 +126,7 @@ public:
 
     Mesh mesh()
     {
-        Place cell;
+        GridPoint cell;
         for (cell[2] = 0; cell[2] < grid_.cells(2); ++cell[2])
             for (cell[1] = 0; cell[1] < grid_.cells(1); ++cell[1])
                 for (cell[0] = 0; cell[0] < grid_.cells(0); ++cell[0]) add_cell(cell);
@@ -137,11 +137,11 @@ public:
 
 private:
     struct Node {
-        Place place;  ///< in parts of cells
+        GridPoint place;  ///< in parts of cells
         double value;
     };
 
-    void add_cell(const Place& cell)
+    void add_cell(const GridPoint& cell)
     {
         corners_ = grid_.corners(cell);
         cell_ = cell;
@@ -151,12 +151,12 @@ private:
             for (int y = 0; y < parts_; ++y)
                 for (int x = 0; x < parts_; ++x) add_piece({x, y, z});
     }
-    void add_piece(const Place& piece)
+    void add_piece(const GridPoint& piece)
     {
         Node nodes[8];
         int inside = 0;
         for (std::size_t i = 0; i < 8; ++i) {
-            Place& p = nodes[i].place;
+            GridPoint& p = nodes[i].place;
             double u[3];
             for (std::size_t k = 0; k < 3; ++k) {
                 const int part = piece[k] + int(i >> k & 1);
@@ -238,7 +238,7 @@ private:
     const int parts_;
     std::uint64_t nodes_[3];  ///< number of nodes along each axis
     std::array<double, 8> corners_{};
-    Place cell_{};
+    GridPoint cell_{};
     VertexIndex vertices_;
     std::vector<Vec3d> places_;
     Mesh mesh_;

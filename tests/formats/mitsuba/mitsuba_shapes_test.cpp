@@ -240,7 +240,7 @@ TEST_F(Mitsuba, Curves)
 // --------------------------------------------------------------------------------------------- serialized meshes
 
 template <class T>
-std::string raw(const std::vector<T>& values)
+std::string raw_bytes(const std::vector<T>& values)
 {
     return {reinterpret_cast<const char*>(values.data()), values.size() * sizeof(T)};
 }
@@ -259,15 +259,15 @@ std::string deflated(const std::string& bytes)
 std::string two_meshes(std::uint32_t last_index = 2)
 {
     const std::string sign = {0x1c, 0x04, 4, 0};
-    const std::string counts = raw(std::vector<std::uint64_t>{3, 1});
-    const std::string indices = raw(std::vector<std::uint32_t>{0, 1, last_index});
-    const std::string first = sign + deflated(raw(std::vector<std::uint32_t>{0x1003}) + std::string("ab\0", 3) +
-                                              counts + raw(std::vector<float>{0, 0, 0, 1, 0, 0, 0, 1, 0}) +
-                                              raw(std::vector<float>{0, 0, 1, 0, 0, 1, 0, 0, 1}) +
-                                              raw(std::vector<float>{0, 0.25f, 1, 0, 0, 1}) + indices);
-    const std::string second = sign + deflated(raw(std::vector<std::uint32_t>{0x2000}) + std::string(1, 0) + counts +
-                                               raw(std::vector<double>{5, 0, 0, 6, 0, 0, 5, 1, 0}) + indices);
-    return first + second + raw(std::vector<std::uint64_t>{0, first.size()}) + raw(std::vector<std::uint32_t>{2});
+    const std::string counts = raw_bytes(std::vector<std::uint64_t>{3, 1});
+    const std::string indices = raw_bytes(std::vector<std::uint32_t>{0, 1, last_index});
+    const std::string first = sign + deflated(raw_bytes(std::vector<std::uint32_t>{0x1003}) + std::string("ab\0", 3) +
+                                              counts + raw_bytes(std::vector<float>{0, 0, 0, 1, 0, 0, 0, 1, 0}) +
+                                              raw_bytes(std::vector<float>{0, 0, 1, 0, 0, 1, 0, 0, 1}) +
+                                              raw_bytes(std::vector<float>{0, 0.25f, 1, 0, 0, 1}) + indices);
+    const std::string second = sign + deflated(raw_bytes(std::vector<std::uint32_t>{0x2000}) + std::string(1, 0) + counts +
+                                               raw_bytes(std::vector<double>{5, 0, 0, 6, 0, 0, 5, 1, 0}) + indices);
+    return first + second + raw_bytes(std::vector<std::uint64_t>{0, first.size()}) + raw_bytes(std::vector<std::uint32_t>{2});
 }
 
 constexpr const char* of_serialized =
@@ -377,7 +377,7 @@ TEST_F(Mitsuba, DamagedSerializedMeshes)
     write("m.serialized", file.substr(0, 20));
     EXPECT_NE(error(asked).find("list of meshes is damaged"), std::string::npos) << error(asked);
     // The offset is so large that adding the header's length wraps around: only sanitizers detect the read.
-    write("m.serialized", file.substr(0, file.size() - 12) + raw(std::vector<std::uint64_t>{~std::uint64_t(0)}) +
+    write("m.serialized", file.substr(0, file.size() - 12) + raw_bytes(std::vector<std::uint64_t>{~std::uint64_t(0)}) +
                               file.substr(file.size() - 4));
     EXPECT_NE(error(asked).find("list of meshes is damaged"), std::string::npos) << error(asked);
     file[0] = 'x';

@@ -7,7 +7,7 @@
 namespace fathom::test {
 namespace {
 
-constexpr const char* fog = R"(MakeNamedMedium "fog" "string type" "homogeneous" "rgb sigma_a" [ 0.5 0.5 0.5 ]
+constexpr const char* fog_medium = R"(MakeNamedMedium "fog" "string type" "homogeneous" "rgb sigma_a" [ 0.5 0.5 0.5 ]
 "rgb sigma_s" [ 1.5 1.5 1.5 ]
 )";
 
@@ -16,7 +16,7 @@ TEST_F(Pbrt, MediumAroundTheCamera)
 {
     const SceneDescription scene =
         load("a.pbrt", std::string("Translate 0 0 8 MediumInterface \"\" \"fog\" Camera \"perspective\" WorldBegin\n") +
-                           fog + R"(MediumInterface "" "fog" Shape "sphere")");
+                           fog_medium + R"(MediumInterface "" "fog" Shape "sphere")");
     EXPECT_TRUE(warnings_.counts().empty());
     // pbrt's world is left-handed, so everything is below a mirroring node.
     const Node& mirror = scene.nodes.at(std::size_t(scene.roots.at(0)));
@@ -34,10 +34,10 @@ TEST_F(Pbrt, MediumAroundTheCamera)
 TEST_F(Pbrt, MediaOutsideOfShapes)
 {
     const std::string shape = R"(MediumInterface "" "fog" Material "dielectric" Shape "sphere" "float radius" 0.5 )";
-    world(fog + shape);
+    world(fog_medium + shape);
     EXPECT_TRUE(has_warning("surrounds shapes, but is neither inside a shape nor around the camera"));
     warnings_ = {};
-    world(fog + shape + R"(MediumInterface "fog" "" Material "interface" Shape "sphere")");
+    world(fog_medium + shape + R"(MediumInterface "fog" "" Material "interface" Shape "sphere")");
     EXPECT_TRUE(warnings_.counts().empty()) << "the medium is used by another shape";
     EXPECT_NE(error(R"(MediumInterface "" "mist" Shape "sphere")").find("there is no medium 'mist'"),
               std::string::npos);
@@ -46,7 +46,7 @@ TEST_F(Pbrt, MediaOutsideOfShapes)
 /// An interface with vacuum inside a medium becomes a solid of vacuum.
 TEST_F(Pbrt, HolesInMedia)
 {
-    const Material hole = material(std::string(fog) + R"(MediumInterface "" "fog" Material "interface")");
+    const Material hole = material(std::string(fog_medium) + R"(MediumInterface "" "fog" Material "interface")");
     EXPECT_EQ(hole.kind, MaterialKind::glass);
     EXPECT_EQ(hole.ior, 1);
     EXPECT_EQ(hole.interior.attenuation_distance, 0);
