@@ -36,8 +36,10 @@ endfunction()
 
 # fathom_unity(TARGET): compiles the target's files ten at a time, so that templates of JSON, formatting and command line
 # libraries are instantiated once for all of them. Names in unnamed namespaces are therefore unique within a target.
-# FATHOM_UNITY=OFF compiles each file for itself, which is quicker after a change of one file.
+# FATHOM_UNITY=OFF compiles each file for itself, which is quicker after a change of one file. Locals may have the name of
+# something in another file: only builds of single files warn of shadowing.
 option(FATHOM_UNITY "Compile several files of a target as one" ON)
 function(fathom_unity target)
-  set_target_properties(${target} PROPERTIES UNITY_BUILD ${FATHOM_UNITY} UNITY_BUILD_BATCH_SIZE 10)
+  set_target_properties(${target} PROPERTIES UNITY_BUILD ${FATHOM_UNITY} UNITY_BUILD_BATCH_SIZE 10
+    UNITY_BUILD_CODE_BEFORE_INCLUDE "#pragma GCC diagnostic ignored \"-Wshadow\"")
 endfunction()

@@ -47,7 +47,7 @@ class Limits(CommandLine):
         self.ok("render", "box.json", "--size", "64x48", "--spp", "4", "--mergeable", "-o", "a.exr")
         self.refused(1, "merge", "a.exr", "-o", "b.exr", "--memory", "1M", words=["a.exr: needs about", "--memory allows 1 MB"])
         self.ok("merge", "a.exr", "-o", "b.exr", "--memory", "1G")
-        self.refused(1, "info", "a.exr", "--memory", "1K", words=["its film needs", "--memory allows"])
+        self.refused(1, "info", "a.exr", "--memory", "1K", words=["its film needs", "allowed by --memory"])
         self.ok("info", "box.json", "--memory", "1G")
 
     def test_sizes(self):

@@ -242,7 +242,7 @@ TEST(FilmFile, AllocatesOnlyStoredData)
         write_image(file, image, {});
         fs::resize_file(file, fs::file_size(file) + length);
         const std::string message = error_text([&] { FilmFile(file).read(); });
-        EXPECT_NE(message.find("not of 65535x65535 pixels"), std::string::npos) << message;
+        EXPECT_NE(message.find("does not have 65535x65535 pixels"), std::string::npos) << message;
     }
 }
 

@@ -265,9 +265,11 @@ std::string two_meshes(std::uint32_t last_index = 2)
                                               counts + raw_bytes(std::vector<float>{0, 0, 0, 1, 0, 0, 0, 1, 0}) +
                                               raw_bytes(std::vector<float>{0, 0, 1, 0, 0, 1, 0, 0, 1}) +
                                               raw_bytes(std::vector<float>{0, 0.25f, 1, 0, 0, 1}) + indices);
-    const std::string second = sign + deflated(raw_bytes(std::vector<std::uint32_t>{0x2000}) + std::string(1, 0) + counts +
-                                               raw_bytes(std::vector<double>{5, 0, 0, 6, 0, 0, 5, 1, 0}) + indices);
-    return first + second + raw_bytes(std::vector<std::uint64_t>{0, first.size()}) + raw_bytes(std::vector<std::uint32_t>{2});
+    const std::string second =
+        sign + deflated(raw_bytes(std::vector<std::uint32_t>{0x2000}) + std::string(1, 0) + counts +
+                        raw_bytes(std::vector<double>{5, 0, 0, 6, 0, 0, 5, 1, 0}) + indices);
+    return first + second + raw_bytes(std::vector<std::uint64_t>{0, first.size()}) +
+           raw_bytes(std::vector<std::uint32_t>{2});
 }
 
 constexpr const char* of_serialized =
