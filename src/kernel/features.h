@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-#include "kernel/enum_set.h"
+#include "base/enum_set.h"
 #include "kernel/kernel.h"
 #include "math/lanes.h"
 

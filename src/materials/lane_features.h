@@ -10,7 +10,7 @@ inline namespace FATHOM_LANES {
 struct LaneFeatures {
     UInt bits;
 
-    Mask has(MaterialFeature feature) const { return (bits & UInt(std::uint32_t(feature))) != UInt(0u); }
+    Mask has(MaterialFeature feature) const { return (bits & UInt(MaterialFeatures(feature).bits)) != UInt(0u); }
     Mask has_all(MaterialFeatures features) const { return (bits & UInt(features.bits)) == UInt(features.bits); }
 };
 

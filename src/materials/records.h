@@ -8,6 +8,7 @@
 #include <type_traits>
 #include <vector>
 
+#include "base/enum_set.h"
 #include "base/large_memory.h"
 #include "base/no_index.h"
 #include "materials/closures/records.h"
@@ -132,54 +133,29 @@ struct MixtureRecord {
 
 /// A feature of a material, whatever its closure.
 enum class MaterialFeature : std::uint32_t {
-    textured = 1u << 0,  ///< color or a number of the closure's record has a texture or vertex colors
-    normal_mapped = 1u << 1,
-    vertex_colored = 1u << 2,
-    emits = 1u << 3,
-    two_sided_emission = 1u << 4,
-    unlit = 1u << 5,  ///< visible to camera and mirror rays, but lights no other surface
-    thin = 1u << 6,
-    needs_tangent = 1u << 7,     ///< needs the surface's tangent, for normal maps or anisotropy
-    single_sided = 1u << 8,      ///< camera rays pass through its back
-    one_sided = 1u << 9,         ///< reflects nothing on its back
-    absorbing_fiber = 1u << 10,  ///< base_color is the absorption of a fiber over its radius; requires a HairRecord
-    bumped = 1u << 11,           ///< bump mapped: shading normals are tilted by the slope of `bump`
+    textured,  ///< color or a number of the closure's record has a texture or vertex colors
+    normal_mapped,
+    vertex_colored,
+    emits,
+    two_sided_emission,
+    unlit,  ///< visible to camera and mirror rays, but lights no other surface
+    thin,
+    needs_tangent,    ///< needs the surface's tangent, for normal maps or anisotropy
+    single_sided,     ///< camera rays pass through its back
+    one_sided,        ///< reflects nothing on its back
+    absorbing_fiber,  ///< base_color is the absorption of a fiber over its radius; requires a HairRecord
+    bumped,           ///< bump mapped: shading normals are tilted by the slope of `bump`
     /// needs texture coordinates though not `textured`: hair, emission maps, and textures of records in other tables
-    needs_uv = 1u << 12,
-    index_matched_boundary = 1u << 13,  ///< boundary of a solid of index 1, which only separates media
-    pane = 1u << 14,                    ///< smooth thin glass, which shadow rays pass
-    hidden_from_camera = 1u << 15,
-    invisible_light = 1u << 16,  ///< emits, but rays pass through it
-    map_tangents = 1u << 17,     ///< tangents follow the texture coordinates of each map instead of those of the mesh
-    subsurface = 1u << 18        ///< light passes into a subsurface medium; the closure has a LayersRecord
+    needs_uv,
+    index_matched_boundary,  ///< boundary of a solid of index 1, which only separates media
+    pane,                    ///< smooth thin glass, which shadow rays pass
+    hidden_from_camera,
+    invisible_light,  ///< emits, but rays pass through it
+    map_tangents,     ///< tangents follow the texture coordinates of each map instead of those of the mesh
+    subsurface        ///< light passes into a subsurface medium; the closure has a LayersRecord
 };
 
-/// A set of features.
-struct MaterialFeatures {
-    std::uint32_t bits = 0;
-
-    constexpr MaterialFeatures() = default;
-    constexpr MaterialFeatures(MaterialFeature feature) : bits(std::uint32_t(feature)) {}
-
-    constexpr bool has(MaterialFeature feature) const { return (bits & std::uint32_t(feature)) != 0; }
-    constexpr bool has_any(MaterialFeatures of) const { return (bits & of.bits) != 0; }
-    constexpr void add(MaterialFeature feature, bool present = true)
-    {
-        if (present) bits |= std::uint32_t(feature);
-    }
-    constexpr MaterialFeatures& operator|=(MaterialFeatures other)
-    {
-        bits |= other.bits;
-        return *this;
-    }
-    friend constexpr bool operator==(MaterialFeatures a, MaterialFeatures b) = default;
-    friend constexpr MaterialFeatures operator|(MaterialFeatures a, MaterialFeatures b) { return a |= b; }
-    friend constexpr MaterialFeatures operator&(MaterialFeatures a, MaterialFeatures b)
-    {
-        a.bits &= b.bits;
-        return a;
-    }
-};
+using MaterialFeatures = EnumSet<MaterialFeature>;
 constexpr MaterialFeatures operator|(MaterialFeature a, MaterialFeature b)
 {
     return MaterialFeatures(a) | MaterialFeatures(b);
