@@ -12,7 +12,6 @@
 
 #include "fathom/error.h"
 #include "fathom/image.h"
-#include "fathom/material_names.h"
 #include "fathom/scene_file.h"
 
 namespace fathom::cli {
@@ -131,8 +130,10 @@ ordered_json materials_of(const SceneDescription& scene)
     ordered_json result = ordered_json::array();
     for (std::size_t i = 0; i < scene.materials.size(); ++i) {
         const Material& m = scene.materials[i];
-        result.push_back(
-            {{"name", m.name}, {"kind", name_in_files(m.kind)}, {"shapes", shapes[i]}, {"uses", material_features(m)}});
+        result.push_back({{"name", m.name},
+                          {"kind", material_kind_name(m.kind)},
+                          {"shapes", shapes[i]},
+                          {"uses", material_features(m)}});
         if (is_nonzero(m.emission.radiance)) result.back()["emission"] = to_json(m.emission.radiance.value);
     }
     return result;

@@ -4,6 +4,7 @@
 #include <numbers>
 
 #include "scene/enum_names.h"
+#include "scene/units.h"
 
 namespace fathom {
 
@@ -13,7 +14,6 @@ using P = Parameter<Light>;
 using enum LightKind;
 
 using std::numbers::pi;
-constexpr double degree = pi / 180;
 
 /// Power refers to the whole sphere, also for spots: the cone only blocks light.
 constexpr LightUnit intensities[] = {{"cd"}, {"lm", 1 / (4 * pi)}, {"W/sr", 1, true}, {"W", 1 / (4 * pi), true}};
@@ -81,21 +81,21 @@ const P parameters[] = {
      .meaning = "angular diameter of the disk from which the light comes; 0: a delta light",
      .least = 0,
      .most = 180,
-     .unit = degree},
+     .unit = radians_per_degree},
     {.key = "inner_angle_deg",
      .kinds = kind_bits(spot),
      .member = field<&Light::inner_angle>,
      .meaning = "half angle of the cone of full intensity",
      .least = 0,
      .most = 90,
-     .unit = degree},
+     .unit = radians_per_degree},
     {.key = "outer_angle_deg",
      .kinds = kind_bits(spot),
      .member = field<&Light::outer_angle>,
      .meaning = "half angle outside of which there is no light",
      .least = 0,
      .most = 90,
-     .unit = degree},
+     .unit = radians_per_degree},
     {.key = "falloff",
      .kinds = kind_bits(spot),
      .member = field<&Light::falloff>,
@@ -108,7 +108,7 @@ const P parameters[] = {
      .meaning = "full angle of the image",
      .least = 0,
      .most = 180,
-     .unit = degree,
+     .unit = radians_per_degree,
      .excludes_limits = true},
     {.key = "fov_axis",
      .kinds = kind_bits(projector),

@@ -2,9 +2,8 @@
 #include "scene/material_table.h"
 
 #include <algorithm>
-#include <numbers>
 
-#include "fathom/material_names.h"
+#include "scene/units.h"
 
 namespace fathom {
 
@@ -77,7 +76,7 @@ const P parameters[] = {
     {"beta_n", kind_bits(hair), field<&Material::hair, &Material::Hair::beta_n>,
      "roughness around the fiber, 0 smooth to 1 rough", 0, 1},
     {"scale_tilt", kind_bits(hair), field<&Material::hair, &Material::Hair::scale_tilt>,
-     "degrees: tilt of the scales on the fiber's surface", -90, 90, std::numbers::pi / 180},
+     "degrees: tilt of the scales on the fiber's surface", -90, 90, radians_per_degree},
     {"color",
      kind_bits(glass),
      field<&Material::transmission, &Material::Transmission::color>,
@@ -170,7 +169,7 @@ const P parameters[] = {
      "anisotropy is the roughness along the tangent, and roughness the one across it"},
     {"anisotropy_rotation", kind_bits(principled),
      field<&Material::microfacets, &Material::Microfacets::anisotropy_rotation>,
-     "degrees, from the tangent toward the bitangent", -P::unbounded, P::unbounded, std::numbers::pi / 180},
+     "degrees, from the tangent toward the bitangent", -P::unbounded, P::unbounded, radians_per_degree},
     {"anisotropy_map", kind_bits(principled),
      TextureReference<Material>{field<&Material::microfacets, &Material::Microfacets::anisotropy_texture>},
      "direction in red and green, where 0.5 stands for 0"},
@@ -344,7 +343,7 @@ std::span<const KindName<MaterialKind>> material_kinds()
 {
     return kinds;
 }
-const char* name_in_files(MaterialKind kind)
+const char* material_kind_name(MaterialKind kind)
 {
     return std::find_if(kinds, std::end(kinds), [&](const auto& known) { return known.kind == kind; })->name;
 }

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "scene/texture_table.h"
 
-#include <numbers>
-
 #include "scene/enum_names.h"
+#include "scene/units.h"
 
 namespace fathom {
 
@@ -129,8 +128,7 @@ const P parameters[] = {
     {"uv_offset", in_uv, field<&Texture::uv_offset>, "added last"},
     {"uv_scale", in_uv, field<&Texture::uv_scale>, "multiplied first"},
     {"uv_rotation_deg", in_uv, field<&Texture::uv_rotation>,
-     "rotation between scale and offset, as KHR_texture_transform", -P::unbounded, P::unbounded,
-     std::numbers::pi / 180},
+     "rotation between scale and offset, as KHR_texture_transform", -P::unbounded, P::unbounded, radians_per_degree},
 };
 
 }  // namespace

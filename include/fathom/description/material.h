@@ -2,6 +2,7 @@
 #pragma once
 #include <string>
 
+#include "fathom/api.h"
 #include "fathom/description/texture.h"
 #include "fathom/vector.h"
 
@@ -33,6 +34,8 @@ enum class MaterialKind {
 };
 /// Number of values of MaterialKind.
 inline constexpr int material_kind_count = 13;
+/// Name of a kind of material, as in scene files.
+FATHOM_API const char* material_kind_name(MaterialKind kind);
 
 /// Effect of a material's alpha.
 enum class AlphaMode {

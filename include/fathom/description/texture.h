@@ -22,7 +22,7 @@ enum class ColorSpace {
     srgb,   ///< sRGB transfer function (IEC 61966-2-1).
     linear  ///< No transfer function, for numbers and normals.
 };
-/// What an image texture contains outside texture coordinates 0 to 1.
+/// Continuation of an image texture outside texture coordinates 0 to 1.
 enum class Wrap {
     repeat,     ///< The image is repeated.
     clamp,      ///< The nearest pixel of the border.

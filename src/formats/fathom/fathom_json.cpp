@@ -9,10 +9,10 @@
 
 #include "fathom/error.h"
 #include "formats/common/suggest.h"
-#include "formats/common/units.h"
 #include "formats/fathom/fathom_json_reader.h"
 #include "formats/io/read_file.h"
 #include "scene/enum_names.h"
+#include "scene/units.h"
 
 namespace fathom {
 

@@ -3,10 +3,10 @@
 
 #include <optional>
 
-#include "formats/common/units.h"
 #include "formats/fathom/fathom_json_reader.h"
 #include "scene/enum_names.h"
 #include "scene/light_table.h"
+#include "scene/units.h"
 
 namespace fathom {
 

@@ -4,12 +4,12 @@
 #include <algorithm>
 #include <numbers>
 
-#include "formats/common/units.h"
 #include "formats/fathom/fathom_json_reader.h"
 #include "scene/conductors.h"
 #include "scene/enum_names.h"
 #include "scene/material_table.h"
 #include "scene/texture_table.h"
+#include "scene/units.h"
 
 namespace fathom {
 

@@ -8,13 +8,13 @@
 
 #include "base/output_file.h"
 #include "fathom/error.h"
-#include "formats/common/units.h"
 #include "formats/fathom/measured_writer.h"
 #include "formats/fathom/parameters_json.h"
 #include "formats/io/read_file.h"
 #include "formats/ply/ply_writer.h"
 #include "scene/enum_names.h"
 #include "scene/light_table.h"
+#include "scene/units.h"
 
 namespace fathom {
 

@@ -7,11 +7,11 @@
 #include <numbers>
 
 #include "formats/common/lights.h"
-#include "formats/common/units.h"
 #include "formats/io/read_file.h"
 #include "formats/mitsuba/reader.h"
 #include "formats/mitsuba/sun_of_date.h"
 #include "formats/mitsuba/sun_table.h"
+#include "scene/units.h"
 
 namespace fathom::mitsuba {
 

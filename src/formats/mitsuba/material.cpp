@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numbers>
 
 #include "formats/common/alpha_blend.h"
 #include "formats/common/medium.h"
@@ -15,6 +14,7 @@
 #include "formats/mitsuba/metals.h"
 #include "formats/mitsuba/reader.h"
 #include "formats/mitsuba/rough_boundary.h"
+#include "scene/units.h"
 
 namespace fathom::mitsuba {
 
@@ -302,7 +302,7 @@ Material Reader::hair(Object& bsdf)
     m.kind = MaterialKind::hair;
     m.hair.beta_m = {float(bsdf.number("longitudinal_roughness", 0.3)), -1, 1};
     m.hair.beta_n = {float(bsdf.number("azimuthal_roughness", 0.3)), -1, 1};
-    m.hair.scale_tilt = bsdf.number("scale_tilt", 2) * (std::numbers::pi / 180);
+    m.hair.scale_tilt = bsdf.number("scale_tilt", 2) * radians_per_degree;
     m.hair.ior = float(std::clamp(relative_ior(bsdf, amber, air), 1.0, 3.0));
     // With base color 1, only the absorption set below tints the hair.
     m.base_color = {{1, 1, 1}, -1};

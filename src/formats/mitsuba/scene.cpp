@@ -4,10 +4,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include "formats/common/units.h"
 #include "formats/io/read_file.h"
 #include "formats/mitsuba/mitsuba.h"
 #include "formats/mitsuba/reader.h"
+#include "scene/units.h"
 
 namespace fathom {
 

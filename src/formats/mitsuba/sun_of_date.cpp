@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "formats/mitsuba/sun_of_date.h"
-#include "formats/common/units.h"
+#include "scene/units.h"
 
 #include <cmath>
 

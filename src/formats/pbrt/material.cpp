@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "formats/common/alpha_blend.h"
 #include "formats/common/lights.h"
@@ -13,6 +12,7 @@
 #include "formats/common/suggest.h"
 #include "formats/io/read_file.h"
 #include "formats/pbrt/reader.h"
+#include "scene/units.h"
 
 namespace fathom::pbrt {
 
@@ -281,7 +281,7 @@ Material Reader::hair(const Parameters& m)
     out.kind = MaterialKind::hair;
     out.hair.beta_m = number_or_texture(m, "beta_m", 0.3f);
     out.hair.beta_n = number_or_texture(m, "beta_n", 0.3f);
-    out.hair.scale_tilt = number_or_texture(m, "alpha", 2).value * (std::numbers::pi / 180);
+    out.hair.scale_tilt = number_or_texture(m, "alpha", 2).value * radians_per_degree;
     out.hair.ior = std::clamp(ior(m, "eta", 1.55f), 1.f, 3.f);
     // With base color 1, only the absorption set below tints the hair.
     out.base_color = {{1, 1, 1}, -1};

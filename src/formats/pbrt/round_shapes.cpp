@@ -6,9 +6,9 @@
 #include <cmath>
 #include <numbers>
 
-#include "formats/common/units.h"
 #include "formats/mesh/surface_of_revolution.h"
 #include "formats/pbrt/reader.h"
+#include "scene/units.h"
 
 namespace fathom::pbrt {
 

@@ -7,9 +7,9 @@
 #include <limits>
 #include <numbers>
 
-#include "formats/common/units.h"
 #include "formats/io/read_file.h"
 #include "formats/pbrt/reader.h"
+#include "scene/units.h"
 
 namespace fathom::pbrt {
 

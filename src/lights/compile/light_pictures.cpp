@@ -10,6 +10,7 @@
 #include "fathom/error.h"
 #include "lights/ies/ies.h"
 #include "math/luminance.h"
+#include "scene/units.h"
 #include "textures/compile/images.h"
 
 namespace fathom {
@@ -17,7 +18,6 @@ namespace fathom {
 namespace {
 
 using std::numbers::pi;
-constexpr double degree = pi / 180;
 /// Lanes index floats by 32 bits.
 constexpr std::size_t max_texels = std::size_t(1) << 29;
 /// Limit of the tangent to which a spot's image is stretched; wide cones would need an infinite one.
@@ -223,7 +223,7 @@ void add_light_profile(Compiler& c, const LightImages::Use& use)
     image.width = is_round ? 1 : steps_to_have(azimuths, 0, 360, finest);
     image.height = 1 + steps_to_have(profile.polar_deg, first, span, finest);
     image.is_profile = true;
-    image.first_angle = first * degree, image.last_angle = (first + span) * degree;
+    image.first_angle = first * radians_per_degree, image.last_angle = (first + span) * radians_per_degree;
     image.first = add_texels(c, std::size_t(image.width) * std::size_t(image.height), file.name);
     float* texel = c.tables.picture_texels.data() + 4 * std::size_t(image.first);
     for (int y = 0; y < image.height; ++y)

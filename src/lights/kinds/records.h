@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-/// What LightRecord::own holds for each kind of light, and the list of kinds. Lengths and positions are in render
-/// space, or in the space that LightRecord::motion names; directions are unit vectors.
+/// Records of the kinds of lights, which LightRecord::own holds, and the list of kinds. Lengths and positions are in
+/// render space, or in the space that LightRecord::motion names; directions are unit vectors.
 ///
 /// Each record has the functions by which the light tree bounds the light, in the .cpp file of its kind:
 ///     LightBall ball(const Shutter&) const      bounding ball of its points
