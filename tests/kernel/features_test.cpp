@@ -22,14 +22,14 @@ SceneTables plain_scene()
     tables.quads.resize(1);
     return tables;
 }
-/// The same with flags of its material.
+/// A flat scene of one quad whose material has these features.
 SceneTables flagged(MaterialFeatures features)
 {
     SceneTables tables = plain_scene();
     tables.materials[0].features = features;
     return tables;
 }
-/// The same with a closure.
+/// A flat scene of one quad with this closure.
 SceneTables closed(ClosureKind kind)
 {
     SceneTables tables = plain_scene();
