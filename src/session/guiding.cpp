@@ -62,7 +62,7 @@ struct Pass {
     }
 };
 
-/// What a training pass traces.
+/// Pixels and samples that a training pass traces.
 struct PassPlan {
     std::vector<std::uint32_t> pixels;
     std::size_t sets, samples;  ///< independent sets of samples, and samples per pixel and set

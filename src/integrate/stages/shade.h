@@ -67,7 +67,7 @@ private:
         VertexRandom random;
         Float time;
     };
-    /// What becomes of PathPool::state, and which paths continue undeflected through a pane or open boundary.
+    /// Next PathPool::state of each path, and the paths that continue undeflected through a pane or open boundary.
     struct Passage {
         UInt state;
         Mask undeflected{false};
