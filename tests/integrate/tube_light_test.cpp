@@ -45,9 +45,9 @@ TEST(Lights, Tubes)
                     light.intensity_is_flux = is_flux;
                     b.light(light, place);
                     if (moves) {
-                        // A motion that ends where it began: the tube is at the same place at every time.
+                        // The tube turns about its own axis, so its light is the same at every time.
                         b.scene.cameras[0].shutter_close = 1;
-                        b.scene.nodes.back().motion = {{0, place}, {1, place}};
+                        b.scene.nodes.back().motion = {{0, place}, {1, place * Transform::rotate({0, 0, 1}, 1)}};
                     }
                     const double side = 2 * std::numbers::pi * 0.04 * 0.5 * scale * scale;
                     const double radiance = is_flux ? 5 / (std::numbers::pi * side) : 5;
