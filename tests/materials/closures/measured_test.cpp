@@ -11,7 +11,7 @@
 namespace fathom::test {
 namespace {
 
-constexpr double pi_ = std::numbers::pi;
+constexpr double pi_double = std::numbers::pi;
 
 /// An artificial measured BRDF: random values from 0.4 to 1 in tables of different sizes, with the given width around
 /// the normal.
@@ -34,7 +34,7 @@ MeasuredBrdf surface(std::vector<float> phis, unsigned seed, double width = 0.4)
     const auto facets = [&](double u) { return std::exp(-u * u * u * u / (width * width)); };
     fill(brdf.ndf, 9, 6, 1, facets);
     fill(brdf.sigma, 5, 7, 1, even);
-    fill(brdf.vndf, 12, 9, slices, [&](double u) { return u * std::sin(u * u * pi_ / 2) * facets(u); });
+    fill(brdf.vndf, 12, 9, slices, [&](double u) { return u * std::sin(u * u * pi_double / 2) * facets(u); });
     fill(brdf.luminance, 6, 5, slices, even);
     fill(brdf.color, 7, 8, 3 * slices, even);
     return brdf;
@@ -81,10 +81,10 @@ public:
     Result at(Direction wo, Direction wi) const
     {
         const auto angle_from = [](double x, double y, double from) {
-            return std::remainder(std::atan2(y, x) - from, 2 * pi_);
+            return std::remainder(std::atan2(y, x) - from, 2 * pi_double);
         };
         if (b_.phi.size() > 2) {
-            const double turned = 2 * pi_ / double(b_.phi.back() - b_.phi.front());
+            const double turned = 2 * pi_double / double(b_.phi.back() - b_.phi.front());
             if (turned > 3) {
                 if (wo.x > 0) wo.x = -wo.x, wi.x = -wi.x;
                 if (wo.y > 0) wo.y = -wo.y, wi.y = -wi.y;
@@ -97,18 +97,19 @@ public:
         const double m[] = {sum[0] / length, sum[1] / length, sum[2] / length};
         const double phi_o = std::atan2(wo.y, wo.x), theta_o = std::acos(wo.z), theta_m = std::acos(m[2]);
         weigh(theta_o, phi_o);
-        const double u = std::sqrt(theta_m / (pi_ / 2));
-        const double v = angle_from(m[0], m[1], b_.phi.size() > 2 ? 0 : phi_o) / (2 * pi_) + 0.5;
+        const double u = std::sqrt(theta_m / (pi_double / 2));
+        const double v = angle_from(m[0], m[1], b_.phi.size() > 2 ? 0 : phi_o) / (2 * pi_double) + 0.5;
         const auto vndf = [&](double x, double y) { return density(b_.vndf, x, y); };
         // The integral below v, and the integral left of u in the row at v.
         const double even_v = integral(0, v, b_.vndf.height, [&](double y) { return row(y); });
         const double even_u = integral(0, u, b_.vndf.width, [&](double x) { return vndf(x, v); }) / row(v);
-        const double d_theta = pi_ * u, d_phi = 2 * pi_;
+        const double d_theta = pi_double * u, d_phi = 2 * pi_double;
         Result r{};
         r.pdf = vndf(u, v) * density(b_.luminance, even_u, even_v) /
                 (d_theta * d_phi * std::sin(theta_m) * 4 * (wo.x * m[0] + wo.y * m[1] + wo.z * m[2]));
-        const double facets = bilinear(b_.ndf, 0, u, v) /
-                              (4 * bilinear(b_.sigma, 0, std::sqrt(theta_o / (pi_ / 2)), phi_o / (2 * pi_) + 0.5));
+        const double facets =
+            bilinear(b_.ndf, 0, u, v) /
+            (4 * bilinear(b_.sigma, 0, std::sqrt(theta_o / (pi_double / 2)), phi_o / (2 * pi_double) + 0.5));
         for (std::size_t c = 0; c < 3; ++c) {
             for (const auto& [slice, weight] : slices_)
                 r.f_cos[c] += weight * bilinear(b_.color, 3 * slice + c, even_u, even_v);
@@ -187,7 +188,7 @@ private:
 Direction direction(std::mt19937& engine)
 {
     std::uniform_real_distribution<double> uniform;
-    const double z = 0.02 + 0.97 * uniform(engine), phi = 2 * pi_ * uniform(engine), s = std::sqrt(1 - z * z);
+    const double z = 0.02 + 0.97 * uniform(engine), phi = 2 * pi_double * uniform(engine), s = std::sqrt(1 - z * z);
     return {s * std::cos(phi), s * std::sin(phi), z};
 }
 
