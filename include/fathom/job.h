@@ -67,6 +67,10 @@ struct RenderSettings {
     /// and chooses survival probabilities accordingly. It reduces noise where light arrives through windows or doors or
     /// from bright walls. Plain path tracing is kept where a trial shows no gain.
     bool guiding = false;
+    /// Light tracing: as many light paths as pixels are traced for each sample index, connected to the camera, and
+    /// combined with path tracing by multiple importance sampling. It finds caustics, the light that lamps send through
+    /// glass or over mirrors onto other surfaces. Without effect if light_sampling is false.
+    bool light_tracing = false;
     Filter filter = Filter::blackman_harris;  ///< Pixel filter.
     double filter_radius = 0;                 ///< Radius in pixels that `filter` is stretched to, at most
                                               ///< max_filter_radius; 0 selects its default radius.

@@ -31,6 +31,8 @@ RenderSpace make_render_space(const SceneDescription& scene, const Camera& camer
     if (radius > 0 && std::isfinite(radius)) {
         space.scale = std::exp2(9 - std::floor(std::log2(radius)));
         space.radius = radius * space.scale;
+        space.ball_center = space.point((bounds.min + bounds.max) * 0.5);
+        space.ball_radius = 0.5 * length(bounds.max - bounds.min) * space.scale;
     }
     return space;
 }

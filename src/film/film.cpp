@@ -39,9 +39,15 @@ double radiance(const std::uint32_t* pixel, int channel)
     return ExactSum::value(radiance_sum(pixel, channel));
 }
 
+/// Sum of what light tracing added to a pixel.
+double splats(const FilmLayout& layout, const std::uint32_t* pixel, int channel)
+{
+    return layout.splats < 0 ? 0 : ExactSum::value(other_sum(pixel, layout.splats + channel));
+}
+
 }  // namespace
 
-FilmLayout::FilmLayout(const std::vector<Aov>& aovs, bool alpha_wanted)
+FilmLayout::FilmLayout(const std::vector<Aov>& aovs, bool alpha_wanted, bool light_tracing)
 {
     const auto has = [&](Aov aov) { return std::find(aovs.begin(), aovs.end(), aov) != aovs.end(); };
     const auto take = [&](bool wanted, int count) {
@@ -55,10 +61,15 @@ FilmLayout::FilmLayout(const std::vector<Aov>& aovs, bool alpha_wanted)
     depth = take(has(Aov::depth), 1);
     position = take(has(Aov::position), 3);
     hits = take(depth >= 0 || position >= 0, 1);
+    splats = take(light_tracing, 3);
     words += sums * ExactSum::words;
     if (has(Aov::instance_id) || has(Aov::material_id)) {
         ids = words;
         words += 3;
+    }
+    if (light_tracing) {
+        splat_squares = words;
+        words += 3 * ExactSquareSum::words;
     }
 }
 
@@ -107,7 +118,7 @@ void Film::Data::reset(FilmKey new_key)
     key = std::move(new_key);
     width = key.settings.width;
     height = key.settings.height;
-    layout = FilmLayout(key.settings.aovs, key.settings.alpha);
+    layout = FilmLayout(key.settings);
     samples.clear();
     dropped = 0;
     invalid_sample.reset();
@@ -122,7 +133,7 @@ Film::Film(FilmKey key) : data_(new Data(std::move(key))) {}
 
 std::size_t Film::bytes_per_pixel(const RenderSettings& settings)
 {
-    return std::size_t(FilmLayout(settings.aovs, settings.alpha).words) * sizeof(std::uint32_t);
+    return std::size_t(FilmLayout(settings).words) * sizeof(std::uint32_t);
 }
 
 Film::Film(Film&&) noexcept = default;
@@ -211,11 +222,13 @@ Image Film::beauty(bool alpha) const
     image.height = film.height;
     if (alpha && film.layout.alpha >= 0)
         image.layers.push_back(fill(film, "", {"R", "G", "B", "A"}, [&](const std::uint32_t* pixel, int c) {
-            return float((c < 3 ? radiance(pixel, c) : ExactSum::value(other_sum(pixel, film.layout.alpha))) * scale);
+            return float((c < 3 ? radiance(pixel, c) + splats(film.layout, pixel, c)
+                                : ExactSum::value(other_sum(pixel, film.layout.alpha))) *
+                         scale);
         }));
     else
         image.layers.push_back(fill(film, "", {"R", "G", "B"}, [&](const std::uint32_t* pixel, int c) {
-            return float(radiance(pixel, c) * scale);
+            return float((radiance(pixel, c) + splats(film.layout, pixel, c)) * scale);
         }));
     return image;
 }
@@ -268,7 +281,11 @@ Image Film::image(bool alpha, bool variance) const
         image.layers.push_back(fill(film, "variance", {"R", "G", "B"}, [&](const std::uint32_t* pixel, int c) {
             if (n < 2) return 0.0f;
             const double mean = radiance(pixel, c) * scale;
-            return float(std::max(0.0, ExactSquareSum::value(square_sum(pixel, c)) * scale - mean * mean) / (n - 1));
+            const double paths = std::max(0.0, ExactSquareSum::value(square_sum(pixel, c)) * scale - mean * mean) / (n - 1);
+            // Splats are rare: the variance of their sum is the sum of their squares.
+            return float(layout.splats < 0
+                             ? paths
+                             : paths + ExactSquareSum::value(layout.splat_square(pixel, c)) * scale * scale);
         }));
     return image;
 }

@@ -16,12 +16,25 @@ void check_settings(const RenderSettings& settings);
 
 /// Layout of a film's pixel: sums of radiance, sums of its squares, then the sums that the settings ask for in the
 /// order of the members of AovPlaces, which hold the index of the first sum of each. `ids` is the word of (sample
-/// index, instance id, material id) of the first sample.
+/// index, instance id, material id) of the first sample. With light tracing, the sums of splats and of their squares
+/// are apart from those of camera paths: the variance of each is known from its own.
 struct FilmLayout : AovPlaces {
+    int splats = -1;          ///< index of the first of three sums of splats; -1: no light tracing
+    int splat_squares = -1;   ///< word of the first of three sums of squared splats
     int sums = 0;             ///< number of sums besides radiance and its squares
     int words = other_words;  ///< 32-bit words per pixel
 
-    FilmLayout(const std::vector<Aov>& aovs, bool alpha_wanted);
+    FilmLayout(const std::vector<Aov>& aovs, bool alpha_wanted, bool light_tracing = false);
+    explicit FilmLayout(const RenderSettings& settings)
+        : FilmLayout(settings.aovs, settings.alpha, settings.light_tracing)
+    {
+    }
+    /// The sum of squared splats of a channel, within a pixel.
+    template <class Word>
+    Word* splat_square(Word* pixel, int channel) const
+    {
+        return pixel + splat_squares + channel * ExactSquareSum::words;
+    }
 };
 
 /// Contents of a film: key, sample ranges and sums.
@@ -54,6 +67,8 @@ struct Film::Data {
             ExactSquareSum::add(square_sum(own, c), square_sum(other, c));
         }
         for (int s = 0; s < layout.sums; ++s) ExactSum::add(other_sum(own, s), other_sum(other, s));
+        for (int c = 0; layout.splats >= 0 && c < 3; ++c)
+            ExactSquareSum::add(layout.splat_square(own, c), layout.splat_square(other, c));
         // Ids can't be averaged: those of the lowest sample index are kept.
         if (const int ids = layout.ids; ids >= 0 && other[ids] < own[ids])
             for (int i = 0; i < 3; ++i) own[ids + i] = other[ids + i];

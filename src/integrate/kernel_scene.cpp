@@ -78,6 +78,7 @@ void LaneScene::read_tables()
         primitive_info.resize(primitive_info.size() + lookup_size);
     }
     quads.build(tables, !is_flat);
+    light_media.clear();
 }
 
 void LaneScene::read_shapes()

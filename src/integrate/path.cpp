@@ -11,8 +11,10 @@
 #include "integrate/fast/quads/quad_path.h"
 #include "integrate/stages/camera_media.h"
 #include "integrate/stages/indirect_clamp.h"
+#include "integrate/stages/pool_sorter.h"
 #include "integrate/stages/shade.h"
 #include "integrate/stages/single_sided.h"
+#include "integrate/stages/trace.h"
 #include "integrate/stages/walk.h"
 #include "kernel/pool.h"
 #include "materials/read/mixture.h"
@@ -31,20 +33,22 @@ public:
           surfaces_(scene),
           materials_(scene),
           lights_(scene, settings.light_selection, false),
+          emitter_(scene, lights_),
           settings_(settings),
           lights_are_sampled_(settings.light_sampling && !tables_.lights.empty()),
           columns_(path_columns(scene.features, settings, job.records != nullptr)),
-          camera_media_(scene.has(Feature::media_stacks) ? media_at(scene, camera) : MediumStack()),
+          camera_media_(scene.has(Feature::media_stacks) ? media_at(scene, camera.position, camera.shutter_open) : MediumStack()),
           camera_paths_(scene, camera, settings, job),
           first_hits_(scene, camera, settings.aovs, sums),
           sums_(sums),
           counters_(counters),
           clock_(counters, settings.measure),
+          sorter_(scene),
           see_through_(scene, counters),
           mixtures_(scene),
           walk_(scene, settings, counters, clock_),
           recorder_(job.records, camera_paths_.total()),
-          shade_(scene, settings, counters, clock_, recorder_)
+          shade_(scene, camera, settings, counters, clock_, recorder_)
     {
     }
 
@@ -64,8 +68,8 @@ public:
             if (recorder_.is_on()) recorder_.record_light_samples(*paths_, active);
             active = process_hits(active);
             std::swap(paths_, spare_);
-            if (recorder_.is_on()) recorder_.record_surfaces(*paths_, packed_hits_, kind_end_[closure_kind_count - 1]);
-            shade_.run(*paths_, packed_hits_, kind_end_);
+            if (recorder_.is_on()) recorder_.record_surfaces(*paths_, sorter_.hits(), sorter_.size());
+            shade_.run(*paths_, sorter_.hits(), sorter_.kind_end());
             clock_.enter(RenderStage::film);
             active = retire_paths(active);
         }
@@ -105,47 +109,18 @@ private:
         p.walk_steps.store(to, UInt(0u));
         if (columns_.has(PathColumn::number)) p.number.store(to, iota() + UInt(first));
         if (columns_.has(PathColumn::walk_coefficients)) forget_medium(p, to);
+        if (columns_.has(PathColumn::light_tracing)) p.connection.store(to, Float(no_vertex));
     }
 
     // ------------------------------------------------------------------------------------------- trace
 
     void trace(std::size_t fresh, std::size_t active)
     {
-        const PathPool& p = *paths_;
         counters_.count_rays(RayKind::bounce, fresh);
         counters_.count_rays(RayKind::camera, active - fresh);
-        if (!scene_.is_flat) {
-            trace_range(0, fresh, false);
-            trace_range(fresh, active, true);
-            return;
-        }
-        for (std::size_t i = 0; i < active; i += lanes) {
-            const Ray ray{p.origin.load(i), p.direction.load(i), Float(infinity),
-                          columns_.has(PathColumn::time) ? p.time.load(i) : Float(0)};
-            const Hit hit = scene_.flat.closest(tables_, ray);
-            hits_.t.store(i, hit.t);
-            hits_.primitive.store(i, hit.primitive);
-            hits_.u.store(i, hit.u);
-            hits_.v.store(i, hit.v);
-        }
-    }
-
-    void trace_range(std::size_t begin, std::size_t end, bool coherent)
-    {
-        if (begin == end) return;
-        PathPool& p = *paths_;
-        const RayArrays rays{&p.origin.x[begin],
-                             &p.origin.y[begin],
-                             &p.origin.z[begin],
-                             &p.direction.x[begin],
-                             &p.direction.y[begin],
-                             &p.direction.z[begin],
-                             nullptr,
-                             columns_.has(PathColumn::time) ? &p.time[begin] : nullptr,
-                             end - begin};
-        scene_.bvh.closest(
-            rays, {&hits_.t[begin], &hits_.u[begin], &hits_.v[begin], &hits_.primitive[begin], &hits_.instance[begin]},
-            coherent);
+        if (scene_.is_flat) return trace_paths(scene_, *paths_, hits_, 0, active, false);
+        trace_paths(scene_, *paths_, hits_, 0, fresh, false);
+        trace_paths(scene_, *paths_, hits_, fresh, active, true);
     }
 
     // ------------------------------------------------------------------------------------------- arrive
@@ -180,7 +155,7 @@ private:
                                    ((info & UInt(LaneScene::passes_without_bounce)) != UInt(0u)));
             append_indices(valid & !scatters, i, finished_, finished);
             if (columns_.has(PathColumn::nee_probability)) bucket = bucket | choose_light_chance(i, scatters);
-            buckets_.store(i, select(scatters, bucket, UInt(0u)));
+            sorter_.set_bucket(i, select(scatters, bucket, UInt(0u)));
         }
         if (first_hits_.wanted()) add_first_hits(active);
         for (std::size_t i = 0; i < emitting; i += lanes) add_emission(i, first_lanes(emitting - i));
@@ -191,8 +166,7 @@ private:
             finish(finished_[i]);
         }
         clock_.enter(RenderStage::sort);
-        // Without textures, sorting by material gains nothing.
-        const std::size_t packed = scene_.has(Feature::textures) ? pack_by_material(active) : pack_by_kind(active);
+        const std::size_t packed = sorter_.run(*paths_, *spare_, columns_, hits_, active);
         const auto append = [&](const auto& from, auto& to) {
             for (std::size_t k = 0; k < walking; ++k) to[packed + k] = from[walking_[k]];
         };
@@ -219,70 +193,6 @@ private:
         const Mask samples = sample_hash(key, pair_seed(seed, pair_light_chance)) < chance;
         p.nee_probability.store(i, select(samples, chance, -chance));
         return select(samples, UInt(LaneScene::samples_light), UInt(0u));
-    }
-
-    /// Appends the numbers of the lanes of m, counted from `first`, to a list.
-    static void append_indices(Mask m, std::size_t first, Column<std::uint32_t>& numbers, std::size_t& size)
-    {
-        if (none(m)) return;
-        numbers.append(size, iota() + UInt(std::uint32_t(first)), m);
-        size += std::size_t(count(m));
-    }
-
-    /// Compacts the paths that continue into the spare pool, one closure kind after another. Returns their number.
-    std::size_t pack_by_kind(std::size_t active)
-    {
-        std::size_t packed = 0;
-        for (std::uint32_t kind = 0; kind < closure_kind_count; ++kind) {
-            const auto pack = [&](std::uint32_t mask, std::uint32_t wanted) {
-                for (std::size_t i = 0; i < active; i += lanes) {
-                    const Mask m = (buckets_.load(i) & UInt(mask)) == UInt(wanted);
-                    if (none(m)) continue;
-                    const auto append = [&](const auto& from, auto& to) { to.append(packed, from.load(i), m); };
-                    PathPool::for_each_live_column(*paths_, *spare_, columns_, append);
-                    HitColumns::for_all(hits_, packed_hits_, !scene_.is_flat, scene_.has(Feature::mixtures), append);
-                    packed += std::size_t(count(m));
-                }
-            };
-            if (scene_.closures.has(ClosureKind(kind))) {
-                const std::uint32_t any_material = ~((1u << LaneScene::kind_shift) - 1);
-                if (columns_.has(PathColumn::nee_probability))
-                    pack(any_material, kind << LaneScene::kind_shift | LaneScene::samples_light);
-                pack(any_material, kind << LaneScene::kind_shift);
-            }
-            kind_end_[kind] = packed;
-        }
-        return packed;
-    }
-
-    /// pack_by_kind() with the paths of a kind sorted by material: a counting sort over buckets. Returns their number.
-    std::size_t pack_by_material(std::size_t active)
-    {
-        std::uint32_t place[2 * LaneScene::samples_light] = {};
-        for (std::size_t i = 0; i < active; ++i) ++place[buckets_[i]];
-        // Bucket 0 holds the paths that do not continue; it gets no place.
-        std::uint32_t packed = 0;
-        for (std::uint32_t kind = 0; kind < closure_kind_count; ++kind) {
-            const auto give_places = [&](std::uint32_t mark) {
-                const std::uint32_t begin = kind << LaneScene::kind_shift | mark;
-                for (std::uint32_t bucket = begin; bucket < begin + (1u << LaneScene::kind_shift); ++bucket)
-                    packed += std::exchange(place[bucket], packed);
-            };
-            if (scene_.closures.has(ClosureKind(kind))) {
-                if (columns_.has(PathColumn::nee_probability)) give_places(LaneScene::samples_light);
-                give_places(0);
-            }
-            kind_end_[kind] = packed;
-        }
-        for (std::size_t i = 0; i < active; ++i)
-            if (buckets_[i] != 0) order_[place[buckets_[i]]++] = std::uint32_t(i);
-        // Scalar copies are used because SIMD gathers take as long or longer, even where the hardware has them.
-        const auto permute = [&](const auto& from, auto& to) {
-            for (std::size_t i = 0; i < packed; ++i) to[i] = from[order_[i]];
-        };
-        PathPool::for_each_live_column(*paths_, *spare_, columns_, permute);
-        HitColumns::for_all(hits_, packed_hits_, !scene_.is_flat, scene_.has(Feature::mixtures), permute);
-        return packed;
     }
 
     // ------------------------------------------------------------------------------------------- end
@@ -390,7 +300,35 @@ private:
                                 weight);
             }
         }
+        if (columns_.has(PathColumn::light_tracing) && lights_are_sampled_)
+            weight = weight * weight_of_emission(index, hit, s, specular, shows);
         add_radiance(emitting_, at, select(shows, emitted, Spectrum(Float(0))), weight, m);
+    }
+    /// Weight of emission that the paths of these numbers hit, against light tracing.
+    [[gnu::noinline]] Float weight_of_emission(UInt index, const SurfaceHit& hit, const Surface& s, Mask specular,
+                                               Mask m) const
+    {
+        const PathPool& p = *paths_;
+        const UInt light = surfaces_.light_of(s.shape, hit.primitive, m);
+        const Float connection = p.connection.gather(index, m);
+        m &= (light != UInt(no_index)) & (connection >= Float(0));
+        if (none(m)) return Float(1);
+        const UInt number = select(m, light, UInt(0u));
+        const Float offset = scene_.has(Feature::exit_offsets) ? p.exit_offset.gather(index, m) : Float(0);
+        const Vec3 o = fma(hit.d, -offset, hit.o);
+        const Float distance = hit.t + offset;
+        const Float nee_pdf = lights_.density_of(number, o, hit.time, hit.d, distance, hit.u, m);
+        return select(m, weight_against_light_paths(index, number, o, hit.d, distance, hit.time,
+                                                    select(specular, Float(0), nee_pdf), m), Float(1));
+    }
+    /// Weight of light that the closures of these paths found along d, against light tracing. nee_pdf: density of
+    /// sampling it at the last vertex; 0 after a delta lobe.
+    Float weight_against_light_paths(UInt index, UInt light, const Vec3& o, const Vec3& d, Float distance, Float time,
+                                     Float nee_pdf, Mask m) const
+    {
+        const Float emission = emitter_.density(light, o, d, distance, time, m) * Float(float(settings_.light_paths));
+        return path_tracing_weight(paths_->connection.gather(index, m), emission,
+                                   path_variants(nee_pdf, paths_->scatter_pdf.gather(index, m), Mask(false)));
     }
 
     void add_environment(std::size_t at, Mask m)
@@ -404,7 +342,18 @@ private:
         const Float pdf = p.bsdf_pdf.gather(index, m);
         const Spectrum radiance =
             lights_.environment(settings_.background, lights_are_sampled_, d, from_camera, specular, pdf, m);
-        add_radiance(missing_, at, radiance, Float(1), m);
+        Float weight(1.f);
+        if (columns_.has(PathColumn::light_tracing) && lights_are_sampled_ &&
+            tables_.environment.light != no_index) {
+            const Mask found = m & (p.connection.gather(index, m) >= Float(0));
+            const Float nee_pdf = select(specular, Float(0), lights_.environment_density(d));
+            weight = select(found,
+                            weight_against_light_paths(index, UInt(tables_.environment.light),
+                                                       p.origin.gather(index, m), d, Float(infinity), Float(0),
+                                                       nee_pdf, found),
+                            Float(1));
+        }
+        add_radiance(missing_, at, radiance, weight, m);
     }
 
     // ------------------------------------------------------------------------------------------- first hits
@@ -438,6 +387,7 @@ private:
     const SurfaceReader surfaces_;
     const MaterialReader materials_;
     const LightSampler lights_;
+    const LightEmitter emitter_;
     const KernelSettings& settings_;
     const bool lights_are_sampled_;
     const PathColumns columns_;
@@ -448,17 +398,16 @@ private:
     KernelCounters& counters_;
     StageClock clock_;
     std::uint32_t next_ = 0;                         ///< number of the job's next path
-    std::size_t kind_end_[closure_kind_count] = {};  ///< end of each ClosureKind in the compacted pool
 
     PathPool pools_[2];
     PathPool *paths_ = &pools_[0], *spare_ = &pools_[1];
-    HitColumns hits_, packed_hits_;
+    HitColumns hits_;
+    PoolSorter sorter_;
     CameraPassThrough see_through_;
     MixtureStage mixtures_;
     MediumStage walk_;
     PathRecorder recorder_;
     ShadeStage shade_;
-    Column<std::uint32_t> buckets_, order_;
     Column<std::uint32_t> emitting_, missing_, finished_, walking_;
 };
 
@@ -476,7 +425,7 @@ void render_job(const KernelScene& scene, const CameraRecord& camera, const Kern
         const std::unique_ptr<Tracer> tracer(new Tracer(lane_scene, camera, settings, job, sums, counters));
         tracer->run();
     };
-    if (!lane_scene.has(Feature::only_quads) || settings.clamp_indirect > 0) run(std::type_identity<PathTracer>());
+    if (!lane_scene.has(Feature::only_quads) || settings.clamp_indirect > 0 || settings.light_paths > 0) run(std::type_identity<PathTracer>());
     // The quad loops do not record paths: they are faster without guiding than the general loop is with it.
     else if (job.records)
         return;

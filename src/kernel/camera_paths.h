@@ -8,6 +8,8 @@ inline namespace FATHOM_LANES {
 
 /// Pairs of random dimensions: CameraPair in group 0 (the camera), BouncePair in group bounce + 1.
 enum CameraPair : std::uint32_t { pair_film, pair_lens, pair_time };
+/// Pairs of group 0 of light paths.
+enum EmissionPair : std::uint32_t { pair_emitter = 3, pair_emission_point, pair_emission_direction };
 enum BouncePair : std::uint32_t {
     pair_light,
     pair_bsdf,
@@ -18,7 +20,9 @@ enum BouncePair : std::uint32_t {
     pair_guiding,
     pair_mixture,
     pair_light_chance,
-    pair_shadow_chance
+    pair_shadow_chance,
+    pair_connection_lens,
+    pair_connection_film
 };
 
 /// Generates the camera rays of a job. Paths are numbered pixel by pixel, then sample by sample.

@@ -56,7 +56,8 @@ enum class PathColumn : std::uint32_t {
     number,
     walk_steps,
     walk_coefficients,    ///< walk_extinction and walk_albedo
-    light_sampling_state  ///< bsdf_pdf and exit_offset: surfaces that a path passes undeflected keep them
+    light_sampling_state,  ///< bsdf_pdf and exit_offset: surfaces that a path passes undeflected keep them
+    light_tracing          ///< connection and scatter_pdf: weights against light tracing
 };
 using PathColumns = EnumSet<PathColumn>;
 
@@ -73,6 +74,7 @@ inline PathColumns path_columns(const Features& features, const KernelSettings& 
     columns.add(PathColumn::walk_steps, features.has(Feature::scattering_media) || features.has(Feature::open_media));
     columns.add(PathColumn::walk_coefficients, features.has(Feature::textured_media));
     columns.add(PathColumn::light_sampling_state, features.has(Feature::transmissive_shadows));
+    columns.add(PathColumn::light_tracing, settings.light_paths > 0);
     return columns;
 }
 

@@ -57,6 +57,9 @@ struct KernelSettings {
     KernelBackground background;
     const GuidingTables* guiding = nullptr;  ///< guides directions and Russian roulette if not null
     std::size_t film_words = 0;              ///< 32-bit words of a pixel in the film
+    /// Light paths per sample index of the whole image (trace_light_paths); 0: no light tracing. The path tracer then
+    /// weights what it finds against what light tracing finds.
+    std::uint32_t light_paths = 0;
 
     /// Whether light sampling is skipped at some vertices by chance: see PathPool::nee_probability.
     bool skips_light_samples() const { return guiding && !guiding->nee_factors.empty(); }
@@ -70,6 +73,18 @@ struct KernelJob {
     std::uint32_t pixel_count = 0;
     std::uint32_t first_sample = 0, samples = 0;  ///< per pixel
     GuidingRecords* records = nullptr;            ///< receives training data for path guiding if not null
+};
+
+/// Work item of light tracing: light paths [first, first + count) of one sample index.
+struct LightPathJob {
+    std::uint32_t sample = 0;
+    std::uint32_t first = 0, count = 0;
+};
+
+/// Light that a light path brings to a pixel, to be added to a sample of the pixel.
+struct LightSplat {
+    std::uint32_t pixel;  ///< x in the low 16 bits, y above
+    float value[3];
 };
 
 /// Point at which a texture is evaluated before the scene is compiled.
@@ -95,6 +110,9 @@ FATHOM_API std::unique_ptr<KernelScene> make_kernel_scene(std::shared_ptr<const 
 /// Renders a job and adds its samples to `sums`, indexed by the position of the pixel in job.pixels.
 FATHOM_API void render_job(const KernelScene& scene, const CameraRecord& camera, const KernelSettings& settings,
                            const KernelJob& job, TileSums& sums, KernelCounters& counters);
+/// Traces light paths, connects their vertices to the camera, and appends what they bring to `splats`.
+FATHOM_API void trace_light_paths(const KernelScene& scene, const CameraRecord& camera, const KernelSettings& settings,
+                                  const LightPathJob& job, std::vector<LightSplat>& splats, KernelCounters& counters);
 /// Evaluates one channel of a texture at `count` points by the code that shading uses.
 FATHOM_API void look_up_texture(const ShadingTables& tables, std::uint32_t texture, std::uint32_t channel,
                                 const KernelTexturePoint* points, std::size_t count, float* values);

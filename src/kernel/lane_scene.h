@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 #include <bit>
+#include <mutex>
 
 #include "fathom/description.h"
 #include "geometry/bvh/bvh.h"
@@ -43,6 +44,9 @@ struct LaneScene final : KernelScene {
     Features features;
     EnumSet<ClosureKind> closures;  ///< kinds of the closures that scatter
     FilterTable filters[3];         ///< Gaussian, Blackman-Harris, tent
+    /// Per light the two words of the MediumStack around it; empty until light tracing needs them.
+    mutable std::vector<std::uint32_t> light_media;
+    mutable std::mutex light_media_mutex;
 
     LaneScene(std::shared_ptr<const SceneTables> t, BvhQuality level);
     std::size_t memory_bytes() const override;

@@ -130,6 +130,8 @@ struct PathPool {
     /// Extinction and single-scattering albedo of textured media, fixed on entry; negative extinction: use the
     /// medium's.
     SpectrumColumn walk_extinction, walk_albedo;
+    Column<float> connection;   ///< what the weight against light tracing needs: see integrate/stages/light_tracing.h
+    Column<float> scatter_pdf;  ///< density with which the closure alone samples the last direction
 
     /// Calls f(column of a, column of b) for each column that lives on to the next surface and beyond.
     template <class F>
@@ -148,6 +150,8 @@ struct PathPool {
         if (columns.has(PathColumn::light_sampling_state)) f(a.bsdf_pdf, b.bsdf_pdf), f(a.exit_offset, b.exit_offset);
         if (columns.has(PathColumn::walk_coefficients))
             for_columns(a.walk_extinction, b.walk_extinction, f), for_columns(a.walk_albedo, b.walk_albedo, f);
+        if (columns.has(PathColumn::light_tracing))
+            f(a.connection, b.connection), f(a.scatter_pdf, b.scatter_pdf);
     }
     /// The position of the pixel in the job.
     template <class Word>

@@ -26,6 +26,7 @@ struct LightSample {
     /// LightSampler.
     Mask needs_environment_radiance = Mask(false);
     Float likely = Float(1);  ///< approximate luminance of that environment radiance
+    UInt light = UInt(0u);    ///< index of the light
 };
 
 /// Lanes whose light is of the wanted kind.

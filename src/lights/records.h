@@ -133,6 +133,9 @@ struct LightTables {
     EnvironmentRecord environment;
     /// Points whose convex hull contains all static lights that are neither primitives nor infinitely far away.
     std::vector<Vec3f> light_places;
+    /// Ball that contains the scene when it is compiled, in render space.
+    std::array<float, 3> ball_center{};
+    float ball_radius = 1;
     std::vector<LightPictureRecord> light_pictures;
     LargeVector<float> picture_texels;  ///< images of lights: four floats per texel, linear, not negative
 };

@@ -32,6 +32,21 @@ struct FilterTable {
         const Float offset = fma(x - to_float(i), hi - lo, lo);
         return select(right, -offset, offset);
     }
+    /// Density with which sample() returns an offset.
+    float density(float offset) const
+    {
+        const float at = -(offset < 0 ? -offset : offset);
+        if (!(at >= inverse[0])) return 0;
+        int lo = 0, hi = size;
+        while (hi - lo > 1) {
+            const int middle = (lo + hi) / 2;
+            (inverse[middle] <= at ? lo : hi) = middle;
+        }
+        const float width = inverse[lo + 1] - inverse[lo];
+        if (!(width > 0)) return 0;
+        const float x = (float(lo) + (at - inverse[lo]) / width) / float(size);
+        return 2 * x * x * x / (float(size) * width);
+    }
 };
 
 }  // namespace FATHOM_LANES

@@ -40,6 +40,12 @@ inline Vec3 sample_cone(Sample2 u, Float one_minus_cos_max)
     return {sin_theta * phi.cos, sin_theta * phi.sin, Float(1) - one_minus_cos};
 }
 
+/// Direction, uniform over the sphere.
+inline Vec3 sample_sphere(Sample2 u)
+{
+    return sample_cone(u, Float(2));
+}
+
 /// Weight of multiple importance sampling (MIS) by the power heuristic, for one sample of each of two strategies: Veach
 /// 1997, eq. 9.13 with beta = 2. Robust for very large densities.
 inline Float mis_weight(Float pdf, Float other)

@@ -2,13 +2,16 @@
 #include "fathom/render.h"
 
 #include <algorithm>
+#include <array>
 #include <chrono>
+#include <cmath>
 #include <numeric>
 
 #include <fmt/format.h>
 #include <tbb/enumerable_thread_specific.h>
 #include <tbb/global_control.h>
 #include <tbb/parallel_for.h>
+#include <tbb/spin_mutex.h>
 #include <tbb/task_arena.h>
 
 #include "fathom/error.h"
@@ -29,6 +32,8 @@ constexpr std::uint64_t samples_per_job = 1u << 15;
 constexpr double pass_s = 0.4;
 /// A pass of one sample that takes longer can be discarded: cancellation should take at most two seconds.
 constexpr double longest_pass_s = 0.8;
+/// Light paths per task.
+constexpr std::uint32_t light_paths_per_job = 1u << 14;
 /// Limit of what a task of the smallest tile can hold.
 constexpr std::uint64_t max_pass_samples = 1024;
 
@@ -43,6 +48,7 @@ KernelSettings kernel_settings(const RenderSettings& s, const FilmLayout& layout
     k.light_sampling = s.light_sampling;
     k.light_selection = s.light_selection;
     k.measure = s.measure_stages;
+    if (s.light_tracing && s.light_sampling) k.light_paths = std::uint32_t(s.width) * std::uint32_t(s.height);
     k.clamp_indirect = s.clamp_indirect.value_or(0);
     k.filter = std::uint32_t(s.filter);
     if (s.filter_radius > 0) k.filter_stretch = float(s.filter_radius / filter_radii[k.filter]);
@@ -115,6 +121,7 @@ int tile_size(Crop crop, std::uint64_t samples, int threads)
 struct Worker {
     std::vector<std::uint32_t> pixels;
     TileSums sums;
+    std::vector<LightSplat> splats;
     KernelCounters counters;
     std::uint64_t dropped = 0;
     std::optional<Film::SampleLocation> invalid_sample;
@@ -167,6 +174,35 @@ void add_to_words(const Worker& worker, const Film::Data& film, std::uint32_t* w
     }
 }
 
+/// Adds splats to `words`, the sums of a whole image, from several threads at once: sums do not depend on the order.
+class SplatAdder {
+public:
+    SplatAdder(const Film::Data& film, Crop crop, std::uint32_t* words) : film_(film), crop_(crop), words_(words) {}
+
+    void add(const std::vector<LightSplat>& splats)
+    {
+        for (const LightSplat& splat : splats) {
+            const int x = int(splat.pixel & 0xffff), y = int(splat.pixel >> 16);
+            if (x < crop_.x0 || x >= crop_.x1 || y < crop_.y0 || y >= crop_.y1) continue;
+            const std::size_t index = std::size_t(y) * std::size_t(film_.width) + std::size_t(x);
+            std::uint32_t* const pixel = words_ + index * std::size_t(film_.layout.words);
+            const tbb::spin_mutex::scoped_lock lock(locks_[index % locks_.size()]);
+            for (int c = 0; c < 3; ++c) {
+                const double value = splat.value[c];
+                if (!std::isfinite(value)) continue;
+                ExactSum::add_number(other_sum(pixel, film_.layout.splats + c), value);
+                ExactSquareSum::add_number(film_.layout.splat_square(pixel, c), value * value);
+            }
+        }
+    }
+
+private:
+    const Film::Data& film_;
+    const Crop crop_;
+    std::uint32_t* const words_;
+    std::array<tbb::spin_mutex, 1024> locks_;
+};
+
 void check_range(SampleRange range)
 {
     if (range.first > range.second)
@@ -198,6 +234,7 @@ public:
     {
         if (const std::string difference = film.key.difference(job.key()); !difference.empty())
             throw Error("", "", "the film belongs to another job: " + difference);
+        if (scene_.tables->lights.empty()) kernel_.light_paths = 0;
         const auto start = std::chrono::steady_clock::now();
         arena_.execute([&] { kernel_.guiding = guiding_of(job, kernel_, cancel); });
         const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
@@ -227,6 +264,33 @@ public:
         };
         arena_.execute([&] {
             tbb::parallel_for(tbb::blocked_range<std::size_t>(0, tiles.count(), 1), render_tiles,
+                              tbb::simple_partitioner());
+        });
+    }
+
+    /// Traces the light paths of a pass and adds what they bring to `words`, the sums of a whole image. Asks stop()
+    /// before each task.
+    template <class Stop>
+    void trace_light(SampleRange range, std::uint32_t* words, const Stop& stop)
+    {
+        if (kernel_.light_paths == 0) return;
+        SplatAdder adder(film_, crop_, words);
+        const std::uint64_t tasks = (kernel_.light_paths + light_paths_per_job - 1) / light_paths_per_job;
+        const auto trace = [&](const tbb::blocked_range<std::uint64_t>& block) {
+            Worker& worker = workers_.local();
+            for (std::uint64_t i = block.begin(); i != block.end() && !stop(); ++i) {
+                const std::uint32_t first = std::uint32_t(i % tasks) * light_paths_per_job;
+                const LightPathJob job{std::uint32_t(range.first + i / tasks), first,
+                                       std::min(light_paths_per_job, kernel_.light_paths - first)};
+                worker.splats.clear();
+                worker.measured(RenderStage::camera, kernel_.measure, [&] {
+                    trace_light_paths(*scene_.kernel, camera_, kernel_, job, worker.splats, worker.counters);
+                });
+                worker.measured(RenderStage::film, kernel_.measure, [&] { adder.add(worker.splats); });
+            }
+        };
+        arena_.execute([&] {
+            tbb::parallel_for(tbb::blocked_range<std::uint64_t>(0, tasks * (range.second - range.first), 1), trace,
                               tbb::simple_partitioner());
         });
     }
@@ -298,6 +362,11 @@ bool render_into(Film& film, const RenderJob& job, Passes& passes, SampleRange r
     std::uint32_t* const sums = is_apart ? data.pass_words.data() : data.words.data();
     const auto words = std::size_t(data.layout.words);
     std::atomic<bool> dropped = false;
+    const auto stop = [&] {
+        if (cancel && (is_first || is_apart) && cancel->load(std::memory_order_relaxed))
+            dropped.store(true, std::memory_order_relaxed);
+        return dropped.load(std::memory_order_relaxed);
+    };
     passes.render(
         range,
         [&](const Worker& worker) {
@@ -305,11 +374,8 @@ bool render_into(Film& film, const RenderJob& job, Passes& passes, SampleRange r
                 std::copy_n(pixel_words(worker, i, data, data.words.data()), words, pixel_words(worker, i, data, sums));
             add_to_words(worker, data, sums);
         },
-        [&] {
-            if (cancel && (is_first || is_apart) && cancel->load(std::memory_order_relaxed))
-                dropped.store(true, std::memory_order_relaxed);
-            return dropped.load(std::memory_order_relaxed);
-        });
+        stop);
+    passes.trace_light(range, sums, stop);
     if (dropped) {
         if (is_first) film.reset(job);
         return false;
@@ -373,10 +439,12 @@ try {
         add_to_words(worker, data, sums);
     };
     std::atomic<bool> stopped = false;
-    passes.render(range, take, [&] {
+    const auto stop = [&] {
         if (cancel.load(std::memory_order_relaxed)) stopped.store(true, std::memory_order_relaxed);
         return stopped.load(std::memory_order_relaxed);
-    });
+    };
+    passes.render(range, take, stop);
+    passes.trace_light(range, sums, stop);
     if (stopped) {
         if (is_first) film.reset(job);
         return false;

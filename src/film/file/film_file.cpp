@@ -195,7 +195,7 @@ void FilmFile::Data::read_channels(const Imf::Header& header)
 {
     const RenderSettings& settings = key.settings;
     words = with_file_name(file.name, packing_attribute,
-                           [&] { return Packing(FilmLayout(settings.aovs, settings.alpha), packing).words(); });
+                           [&] { return Packing(FilmLayout(settings), packing).words(); });
     int found = 0;
     std::size_t place = line_header_bytes;
     for (auto c = header.channels().begin(); c != header.channels().end(); ++c) {
@@ -288,7 +288,7 @@ void FilmFile::add_to(Film& film) const
 Film FilmFile::read() const
 {
     const RenderSettings& settings = data_->key.settings;
-    const double bytes = double(settings.width) * settings.height * 4 * FilmLayout(settings.aovs, settings.alpha).words;
+    const double bytes = double(settings.width) * settings.height * 4 * FilmLayout(settings).words;
     if (bytes > double(available_memory_bytes()))
         throw Error(data_->file.name, "",
                     fmt::format("its film needs {:.1f} GB of memory, {}", bytes / 1e9, available_memory_text()));

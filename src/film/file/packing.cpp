@@ -35,6 +35,7 @@ std::vector<PackedNumber> numbers_of(const FilmLayout& layout)
     add(3, square_words_each);
     add(layout.sums, sum_words);
     if (layout.ids >= 0) add(3, id_words);
+    if (layout.splats >= 0) add(3, square_words_each);
     return numbers;
 }
 

@@ -33,9 +33,8 @@ inline SurfaceHit nearest_hit(const LaneScene& scene, const Vec3& o, const Vec3&
 
 }  // namespace detail
 
-/// Media that contain the camera's position when the shutter opens: those of the solids that a ray from there leaves
-/// without having entered them.
-[[gnu::noinline]] inline MediumStack media_at(const LaneScene& scene, const CameraRecord& camera)
+/// Media that contain a point at a time: those of the solids that a ray from there leaves without having entered them.
+[[gnu::noinline]] inline MediumStack media_at(const LaneScene& scene, const float* point, float time)
 {
     const SurfaceReader surfaces(scene);
     const MaterialReader materials(scene);
@@ -43,13 +42,13 @@ inline SurfaceHit nearest_hit(const LaneScene& scene, const Vec3& o, const Vec3&
     const Mask one = first_lanes(1);
     // The direction is arbitrary; it avoids the axes, along which edges often lie.
     const Vec3 d = normalize(Vec3(Float(0.31f), Float(0.87f), Float(0.42f)));
-    Vec3 o = vector(camera.position);
+    Vec3 o = vector(point);
     MediumStack entered;
     constexpr int max_hits = 256, max_left = 4;
     UInt left[max_left];
     int count = 0;
     for (int i = 0; i < max_hits && count < max_left; ++i) {
-        const SurfaceHit hit = detail::nearest_hit(scene, o, d, Float(camera.shutter_open));
+        const SurfaceHit hit = detail::nearest_hit(scene, o, d, Float(time));
         if (none(one & (hit.primitive != UInt(no_index)))) break;
         const Surface s = surfaces.read(hit, one);
         const UInt medium = materials.get(&MaterialRecord::medium, s.material, one);

@@ -19,17 +19,18 @@ inline BsdfEval eval_for_light(const Closure& closure, const Vec3& wo, const Vec
 
 /// Next event estimation: contribution of a light sample to a path of this throughput if unoccluded, MIS-weighted
 /// against sampling by the closure and the guidance. Valid in the lanes of `lit`; clears lanes to which the closure
-/// cannot scatter the light.
+/// cannot scatter the light. scatter_pdf: set to the density of the closure alone.
 template <class Closure>
 [[gnu::always_inline]] inline Spectrum direct_light(const Closure& closure, const ShadingPoint<Closure>& at,
                                                     const Guidance& guidance, const LightSample& s,
-                                                    const Spectrum& throughput, Mask& lit)
+                                                    const Spectrum& throughput, Mask& lit, Float& scatter_pdf)
 {
     const Vec3 wi = at.frame.to_local(s.wi);
     lit &= closure.has_non_delta() & equal(wi.z > Float(0), dot(s.wi, at.ng) > Float(0));
     if (!Closure::transmits) lit &= wi.z > Float(0);
     if (Closure::transmits) lit &= !at.skips_interface;
     const BsdfEval e = eval_for_light(closure, at.wo, wi, s.is_delta);
+    scatter_pdf = e.pdf;
     const Float bsdf_pdf = guidance.is_on() ? guidance.pdf(s.wi, e.pdf) : e.pdf;
     return throughput * e.f_cos * s.radiance * light_weight(s, bsdf_pdf);
 }

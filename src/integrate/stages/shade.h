@@ -2,13 +2,15 @@
 #pragma once
 #include "integrate/stages/direct.h"
 #include "integrate/stages/dispersion.h"
+#include "integrate/stages/light_tracing.h"
 #include "integrate/stages/path_medium.h"
 #include "integrate/stages/path_recorder.h"
 #include "integrate/stages/scatter.h"
 #include "integrate/stages/shadow.h"
 #include "integrate/stages/walk.h"
+#include "kernel/camera_connection.h"
 #include "kernel/kernel.h"
-#include "lights/sample/light_stage.h"
+#include "lights/sample/emission.h"
 #include "media/albedo.h"
 
 namespace fathom {
@@ -17,19 +19,22 @@ inline namespace FATHOM_LANES {
 /// Shading stage: at each surface vertex, next event estimation and sampling of the next direction.
 class ShadeStage {
 public:
-    ShadeStage(const LaneScene& scene, const KernelSettings& settings, KernelCounters& counters, StageClock& clock,
-               PathRecorder& recorder)
+    ShadeStage(const LaneScene& scene, const CameraRecord& camera, const KernelSettings& settings,
+               KernelCounters& counters, StageClock& clock, PathRecorder& recorder)
         : scene_(scene),
           tables_(scene.tables),
           surfaces_(scene),
           materials_(scene),
           lights_(scene, settings.light_selection, !scene.is_flat),
+          emitter_(scene, lights_),
+          connector_(camera, settings),
           settings_(settings),
           counters_(counters),
           clock_(clock),
           recorder_(recorder),
           lights_are_sampled_(settings.light_sampling && !tables_.lights.empty()),
-          has_light_chance_(settings.skips_light_samples())
+          has_light_chance_(settings.skips_light_samples()),
+          light_paths_(float(settings.light_paths))
     {
     }
 
@@ -97,7 +102,8 @@ private:
         const Closure closure(at.material);
         clock_.enter(RenderStage::light);
         const Guidance guidance = guide(closure, at, gang);
-        if (lights_are_sampled_) estimate_direct_light(gang, closure, at, guidance, throughput);
+        const FirstVertex first = first_vertex(gang, hit, at);
+        if (lights_are_sampled_) estimate_direct_light(gang, closure, at, guidance, throughput, first);
 
         clock_.enter(RenderStage::scatter);
         Scattered next = scatter(closure, at, guidance, gang.random, throughput);
@@ -115,6 +121,55 @@ private:
                                         next.throughput, valid & !ends & !next.is_delta);
         paths_->state.store(i, select(ends, passage.state | UInt(PathPool::dead), passage.state), valid);
         store_next_ray(gang, hit, at, next, passage.undeflected);
+        if (light_paths_ > 0) store_connection(gang, at, next, first, passage.undeflected);
+    }
+
+    /// What light tracing needs to know of the first vertices of paths: see light_tracing.h.
+    struct FirstVertex {
+        Mask is_it{false};  ///< lanes whose path has no vertex before this one
+        Float pixels;       ///< per unit of area of the surface
+    };
+    template <class Closure>
+    [[gnu::always_inline]] FirstVertex first_vertex(const Gang& gang, const SurfaceHit& hit,
+                                                    const ShadingPoint<Closure>& at) const
+    {
+        if (!(light_paths_ > 0)) return {};
+        const Mask is_it = gang.valid & (paths_->connection.load(gang.i) < Float(0));
+        if (none(is_it)) return {};
+        Float distance = hit.t;
+        if (scene_.has(Feature::exit_offsets)) distance = distance + paths_->exit_offset.load(gang.i);
+        return {is_it, connector_.pixels_per_area(hit.d, distance) * abs(dot(hit.d, at.ng))};
+    }
+    /// PathPool::connection of paths that continue along wi, which the closure samples with this density.
+    template <class Closure>
+    [[gnu::always_inline]] Float connection(const Gang& gang, const ShadingPoint<Closure>& at, const FirstVertex& first,
+                                            const Vec3& wi, Float scatter_pdf) const
+    {
+        // Light paths end at fibers: how a fiber is hit depends on the direction.
+        if constexpr (Closure::is_fiber) return Float(infinity);
+        const Float own = first.pixels * scatter_pdf / max(abs(dot(wi, at.ng)), Float(1e-20f));
+        return select(first.is_it, own, paths_->connection.load(gang.i));
+    }
+    /// Weight of a light sample against light tracing.
+    template <class Closure>
+    [[gnu::noinline]] Float weight_of_light_sample(const Gang& gang, const ShadingPoint<Closure>& at,
+                                                   const FirstVertex& first, const LightSample& s, Float scatter_pdf,
+                                                   Mask m) const
+    {
+        const Float emission = emitter_.density(s.light, at.eye(), s.wi, s.distance, gang.time, m);
+        const Float nee_pdf = Float(1) / max(s.inverse_pdf, Float(1e-37f));
+        return path_tracing_weight(connection(gang, at, first, s.wi, scatter_pdf), emission * Float(light_paths_),
+                                   path_variants(nee_pdf, scatter_pdf, s.is_delta));
+    }
+    template <class Closure>
+    [[gnu::noinline]] void store_connection(const Gang& gang, const ShadingPoint<Closure>& at, const Scattered& next,
+                                            const FirstVertex& first, Mask undeflected)
+    {
+        const std::size_t i = gang.i;
+        const Mask lost = (next.is_delta & (first.is_it | !is_reversible(at, next.wi))) | next.enters_subsurface;
+        const Float own = select(lost, Float(infinity), connection(gang, at, first, next.wi, next.scatter_pdf));
+        paths_->connection.store(i, own, gang.valid & !undeflected);
+        paths_->scatter_pdf.store(i, next.scatter_pdf, gang.valid & !undeflected);
     }
 
     [[gnu::always_inline]] Gang load_gang(std::size_t i, Mask valid) const
@@ -295,28 +350,32 @@ private:
     template <class Closure>
     [[gnu::always_inline]] void estimate_direct_light(const Gang& gang, const Closure& closure,
                                                       const ShadingPoint<Closure>& at, const Guidance& guidance,
-                                                      const Spectrum& throughput)
+                                                      const Spectrum& throughput, const FirstVertex& first)
     {
         const Mask samples =
             has_light_chance_ ? gang.valid & (paths_->nee_probability.load(gang.i) > Float(0)) : gang.valid;
         counters_.costs.light_samples += std::uint64_t(count(samples));
-        if (any(samples)) sample_light(gang, samples, closure, at, guidance, throughput);
+        if (any(samples)) sample_light(gang, samples, closure, at, guidance, throughput, first);
     }
 
     /// Samples a light in the lanes of m; adds its contribution, or queues its shadow ray.
     template <class Closure>
     [[gnu::always_inline]] void sample_light(const Gang& gang, Mask m, const Closure& closure,
                                              const ShadingPoint<Closure>& at, const Guidance& guidance,
-                                             const Spectrum& throughput)
+                                             const Spectrum& throughput, const FirstVertex& first)
     {
         // Lights are sampled from the origin of the shadow ray. Sampled from the surface itself, a light that passes
         // through the surface, or a distance that ends behind it, would depend on rounding.
         const Vec3 eye = at.eye();
         const auto& [key, seed, index] = gang.random;
         LightSample s = lights_.sample(m, eye, key, seed, gang.random.light(), gang.time);
+        const LightSample without_chance = s;
         if (has_light_chance_) s.inverse_pdf = s.inverse_pdf / abs(paths_->nee_probability.load(gang.i));
         Mask lit = m & (s.inverse_pdf > Float(0));
-        Spectrum add = direct_light(closure, at, guidance, s, throughput, lit);
+        Float scatter_pdf;
+        Spectrum add = direct_light(closure, at, guidance, s, throughput, lit, scatter_pdf);
+        if (light_paths_ > 0)
+            add = add * weight_of_light_sample(gang, at, first, without_chance, scatter_pdf, lit);
         MediumStack media;
         if (scene_.has(Feature::media_stacks)) {
             const Mask beyond = Closure::transmits ? dot(s.wi, at.ng) < Float(0) : Mask(false);
@@ -372,11 +431,14 @@ private:
     const SurfaceReader surfaces_;
     const MaterialReader materials_;
     const LightSampler lights_;
+    const LightEmitter emitter_;
+    const CameraConnector connector_;
     const KernelSettings& settings_;
     KernelCounters& counters_;
     StageClock& clock_;
     PathRecorder& recorder_;
     bool lights_are_sampled_, has_light_chance_;
+    float light_paths_;  ///< per sample index; 0: no light tracing
 
     PathPool* paths_ = nullptr;
     const HitColumns* hits_ = nullptr;

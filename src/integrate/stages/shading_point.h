@@ -14,6 +14,7 @@ struct ShadingPoint {
     Vec3 p, ng;
     Float offset;  ///< see Surface
     Frame frame;   ///< of the shading normal
+    Vec3 given_normal;  ///< the shading normal before it was bent toward ng, on the same side
     Vec3 wo;       ///< toward the previous vertex, in `frame`
     UInt material_index;
     typename Closure::Point material;
@@ -194,6 +195,7 @@ template <class Closure>
         detail::set_fiber_frame(s, facing, at);
         return at;
     }
+    at.given_normal = ns;
     if constexpr (Closure::is_glossy) {
         const Vec3 own = ns;
         ns = detail::bend_shading_normal(-hit.d, at.ng, ns);
@@ -212,6 +214,26 @@ template <class Closure>
     detail::to_shading_frame(at.frame, -hit.d, at.ng, facing, at.material);
     at.wo = detail::clamp_to_hemisphere(at.frame.to_local(-hit.d));
     return at;
+}
+
+/// Lanes whose delta lobes scatter light along the same path in both directions: the shading normal is bent neither for
+/// the path's direction of arrival nor for wi.
+template <class Closure>
+[[gnu::always_inline]] inline Mask is_reversible(const ShadingPoint<Closure>& at, const Vec3& wi)
+{
+    if constexpr (!Closure::is_glossy) return Mask(true);
+    const Vec3 bent = at.frame.n - at.given_normal;
+    const Float side = dot(wi, at.ng);
+    const Vec3 ng = flip_sign(at.ng, side), ns = flip_sign(at.given_normal, side);
+    Vec3 seen = detail::bend_shading_normal(wi, ng, ns);
+    if constexpr (Closure::transmits) {
+        const Mask below = !equal(at.inside, side < Float(0));
+        const Float eta = select(below, Float(1) / at.material.ior, at.material.ior);
+        seen = select(detail::refracts_about_ng(wi, ng, seen, eta) & !at.material.thin, ng, seen);
+    }
+    const Vec3 bent_there = seen - ns;
+    constexpr float slack = 1e-8f;
+    return (dot(bent, bent) < Float(slack)) & (dot(bent_there, bent_there) < Float(slack));
 }
 
 }  // namespace FATHOM_LANES

@@ -117,6 +117,8 @@ private:
         p.walk_steps.store(i, step, turns);
         p.bsdf_pdf.store(i, select(open, phase_pdf(g, turned.z), Float(0)), turns);
         if (scene_.has(Feature::exit_offsets)) p.exit_offset.store(i, Float(0), turns);
+        // Light paths end where a medium scatters them.
+        if (settings_.light_paths > 0) p.connection.store(i, Float(infinity), turns);
         // The path counts as having left the camera: first hits are not recorded through a scattering medium.
         const Mask from_camera = bounce == UInt(0u);
         const UInt left = select(counts | from_camera, UInt(1u), UInt(0u));

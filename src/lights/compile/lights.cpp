@@ -26,6 +26,9 @@ public:
         t_.light_cdf.clear();
         t_.light_pictures.clear();
         t_.light_places.clear();
+        const Vec3d& center = c.space.ball_center;
+        t_.ball_center = {float(center.x), float(center.y), float(center.z)};
+        t_.ball_radius = float(c.space.ball_radius);
     }
 
     void run(const FlattenedScene& all)

@@ -24,6 +24,22 @@ struct BeamLight {
         return {-n, max(distance, Float(0)), select(arrives, Float(1), Float(0)), Float(1), Float(1), Mask(true)};
     }
 
+    template <class Light>
+    static EmittedRay emit(const Light& light, Float, Sample2 position, Sample2)
+    {
+        const Mask is_round = light.get(&Record::is_round) > Float(0);
+        const DiskPoint disk = sample_disk(position);
+        const Float x = select(is_round, disk.x, fma(position.x, Float(2), Float(-1))),
+                    y = select(is_round, disk.y, fma(position.y, Float(2), Float(-1)));
+        const Vec3 u = light.get(&Record::half_u), v = light.get(&Record::half_v);
+        return {fma(u, x, fma(v, y, light.get(&Record::center))), light.get(&Record::axis), Vec3(Float(0), Float(0), Float(0)), area(light)};
+    }
+    template <class Light>
+    static Float emission_density(const Light& light, const Vec3&, Float)
+    {
+        return Float(1) / max(area(light), Float(1e-30f));
+    }
+
     /// The node may stretch and mirror the area.
     template <class Moving>
     static void place(Moving& light, const LightPlace& at, Mask m)
@@ -35,6 +51,14 @@ struct BeamLight {
         light.set(&Record::half_u, u, m);
         light.set(&Record::half_v, v, m);
         light.set(&Record::axis, flip_sign(unit_or_zero(n), dot(n, forwards)), m);
+    }
+
+private:
+    template <class Light>
+    static Float area(const Light& light)
+    {
+        const Vec3 n = cross(light.get(&Record::half_u), light.get(&Record::half_v));
+        return sqrt(dot(n, n)) * select(light.get(&Record::is_round) > Float(0), Float(pi), Float(4));
     }
 };
 

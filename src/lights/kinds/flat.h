@@ -29,9 +29,18 @@ struct ParallelogramLight {
     template <class Light>
     static LightPoint sample(const Light& light, Vec3 p, Float, Sample2 random, Mask)
     {
-        const Vec3 q = fma(light.get(&Record::edge_u), random.x,
-                           fma(light.get(&Record::edge_v), random.y, light.get(&Record::corner)));
-        return detail::FlatLightPoint(q - p, light);
+        return detail::FlatLightPoint(point(light, random) - p, light);
+    }
+
+    template <class Light>
+    static EmittedRay emit(const Light& light, Float, Sample2 position, Sample2 direction)
+    {
+        return detail::emit_from_flat(light, point(light, position), direction);
+    }
+    template <class Light>
+    static Float emission_density(const Light& light, const Vec3&, Float)
+    {
+        return detail::flat_emission_density(light);
     }
 
     template <class Moving>
@@ -39,28 +48,52 @@ struct ParallelogramLight {
     {
         detail::place_edges<Record>(light, at, Float(1), m);
     }
+
+private:
+    template <class Light>
+    static Vec3 point(const Light& light, Sample2 random)
+    {
+        return fma(light.get(&Record::edge_u), random.x,
+                   fma(light.get(&Record::edge_v), random.y, light.get(&Record::corner)));
+    }
 };
 
 /// Triangle, sampled uniformly by area.
 struct TriangleLight {
     using Record = TriangleLightRecord;
 
-    /// Heitz 2019, "A Low-Distortion Map Between Triangle and Square".
     template <class Light>
     static LightPoint sample(const Light& light, Vec3 p, Float, Sample2 random, Mask)
     {
-        const Mask upper = random.y > random.x;
-        const Float half = Float(0.5f) * select(upper, random.x, random.y);
-        const Float u = select(upper, half, random.x - half), v = select(upper, random.y - half, half);
-        const Vec3 q =
-            fma(light.get(&Record::edge_u), u, fma(light.get(&Record::edge_v), v, light.get(&Record::corner)));
-        return detail::FlatLightPoint(q - p, light);
+        return detail::FlatLightPoint(point(light, random) - p, light);
+    }
+
+    template <class Light>
+    static EmittedRay emit(const Light& light, Float, Sample2 position, Sample2 direction)
+    {
+        return detail::emit_from_flat(light, point(light, position), direction);
+    }
+    template <class Light>
+    static Float emission_density(const Light& light, const Vec3&, Float)
+    {
+        return detail::flat_emission_density(light);
     }
 
     template <class Moving>
     static void place(Moving& light, const LightPlace& at, Mask m)
     {
         detail::place_edges<Record>(light, at, Float(0.5f), m);
+    }
+
+private:
+    /// Heitz 2019, "A Low-Distortion Map Between Triangle and Square".
+    template <class Light>
+    static Vec3 point(const Light& light, Sample2 random)
+    {
+        const Mask upper = random.y > random.x;
+        const Float half = Float(0.5f) * select(upper, random.x, random.y);
+        const Float u = select(upper, half, random.x - half), v = select(upper, random.y - half, half);
+        return fma(light.get(&Record::edge_u), u, fma(light.get(&Record::edge_v), v, light.get(&Record::corner)));
     }
 };
 
@@ -71,11 +104,18 @@ struct DiskLight {
     template <class Light>
     static LightPoint sample(const Light& light, Vec3 p, Float, Sample2 random, Mask)
     {
-        const DiskPoint d = sample_disk(random);
-        const Frame frame(light.get(&FlatLightRecord::normal));
-        const Float radius = light.get(&Record::radius);
-        const Vec3 q = fma(frame.s, d.x * radius, fma(frame.t, d.y * radius, light.get(&Record::center)));
-        return detail::FlatLightPoint(q - p, light);
+        return detail::FlatLightPoint(point(light, random) - p, light);
+    }
+
+    template <class Light>
+    static EmittedRay emit(const Light& light, Float, Sample2 position, Sample2 direction)
+    {
+        return detail::emit_from_flat(light, point(light, position), direction);
+    }
+    template <class Light>
+    static Float emission_density(const Light& light, const Vec3&, Float)
+    {
+        return detail::flat_emission_density(light);
     }
 
     /// Disks are lights only under similarities, which keep their shape.
@@ -88,6 +128,16 @@ struct DiskLight {
         light.set(&Record::radius, light.get(&Record::radius) * sqrt(factor2), m);
         light.set(&FlatLightRecord::area, light.get(&FlatLightRecord::area) * factor2, m);
         detail::place_normal(light, at, m);
+    }
+
+private:
+    template <class Light>
+    static Vec3 point(const Light& light, Sample2 random)
+    {
+        const DiskPoint d = sample_disk(random);
+        const Frame frame(light.get(&FlatLightRecord::normal));
+        const Float radius = light.get(&Record::radius);
+        return fma(frame.s, d.x * radius, fma(frame.t, d.y * radius, light.get(&Record::center)));
     }
 };
 

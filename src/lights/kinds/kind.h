@@ -125,6 +125,29 @@ inline Vec3 unit_or_zero(const Vec3& v)
     return v * inverse_sqrt(max(dot(v, v), Float(1e-37f)));
 }
 
+/// A ray that a light emits, sampled by its kind.
+struct EmittedRay {
+    Vec3 o, d;
+    Vec3 n;       ///< normal of the surface on the side that emits; 0 for lights that rays do not hit
+    Float scale;  ///< factor of the light's radiance: power per inverse density
+};
+
+/// A ray from a point of a surface, by a density proportional to the cosine; from either side if two_sided.
+inline EmittedRay emit_from_surface(const Vec3& p, const Vec3& normal, Float area, Mask two_sided, Sample2 direction)
+{
+    const Mask back = two_sided & (direction.x < Float(0.5f));
+    const Float doubled = direction.x * Float(2);
+    direction.x = select(two_sided, select(back, doubled, doubled - Float(1)), direction.x);
+    const Vec3 n = flip_sign(normal, select(back, Float(-1), Float(1)));
+    return {p, Frame(n).to_world(sample_cosine_hemisphere(direction)), n,
+            area * select(two_sided, Float(2 * pi), Float(pi))};
+}
+/// Density of the rays of emit_from_surface() with respect to area and solid angle, divided by the cosine.
+inline Float surface_emission_density(Float area, Mask two_sided)
+{
+    return select(two_sided, Float(0.5f * inv_pi), Float(inv_pi)) / max(area, Float(1e-30f));
+}
+
 namespace detail {
 
 /// Transforms the normal of a flat light.
@@ -155,6 +178,19 @@ struct FlatLightPoint {
     }
     operator LightPoint() const { return {wi, distance, inverse_pdf, cosine, Float(1), Mask(false)}; }
 };
+
+/// Emission of a flat light from a point of it.
+template <class Light>
+EmittedRay emit_from_flat(const Light& light, const Vec3& p, Sample2 direction)
+{
+    return emit_from_surface(p, light.get(&FlatLightRecord::normal), light.get(&FlatLightRecord::area),
+                             light.has(LightRecord::two_sided), direction);
+}
+template <class Light>
+Float flat_emission_density(const Light& light)
+{
+    return surface_emission_density(light.get(&FlatLightRecord::area), light.has(LightRecord::two_sided));
+}
 
 }  // namespace detail
 

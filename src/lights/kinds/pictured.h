@@ -16,6 +16,17 @@ struct PicturedLight {
         return SpotLight::sample(light, p, time, random, active);
     }
 
+    template <class Light>
+    static EmittedRay emit(const Light& light, Float time, Sample2 position, Sample2 direction)
+    {
+        return SpotLight::emit(light, time, position, direction);
+    }
+    template <class Light>
+    static Float emission_density(const Light& light, const Vec3& wi, Float distance)
+    {
+        return SpotLight::emission_density(light, wi, distance);
+    }
+
     /// Rotates the axes of the image, and keeps them orthogonal.
     template <class Moving>
     static void place(Moving& light, const LightPlace& at, Mask m)

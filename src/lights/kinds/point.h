@@ -22,6 +22,17 @@ struct PointLight {
         return {to * (Float(1) / distance), distance, Float(1), Float(1), Float(1) / distance2, Mask(true)};
     }
 
+    template <class Light>
+    static EmittedRay emit(const Light& light, Float, Sample2, Sample2 direction)
+    {
+        return {light.get(&Record::position), sample_sphere(direction), Vec3(Float(0), Float(0), Float(0)), Float(4 * pi)};
+    }
+    template <class Light>
+    static Float emission_density(const Light&, const Vec3&, Float distance)
+    {
+        return Float(0.25f * inv_pi) / (distance * distance);
+    }
+
     template <class Moving>
     static void place(Moving& light, const LightPlace& at, Mask m)
     {

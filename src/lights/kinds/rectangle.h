@@ -60,6 +60,19 @@ struct RectangleLight {
         return detail::FlatLightPoint(to, n, light.get(&FlatLightRecord::area));
     }
     template <class Light>
+    static EmittedRay emit(const Light& light, Float, Sample2 position, Sample2 direction)
+    {
+        const Float du = position.x * light.get(&Record::length_u), dv = position.y * light.get(&Record::length_v);
+        const Vec3 p = fma(light.get(&Record::u), du, fma(light.get(&Record::v), dv, light.get(&Record::corner)));
+        return detail::emit_from_flat(light, p, direction);
+    }
+    template <class Light>
+    static Float emission_density(const Light& light, const Vec3&, Float)
+    {
+        return detail::flat_emission_density(light);
+    }
+
+    template <class Light>
     static Mask by_solid_angle(const Light& light, Vec3 p)
     {
         return is_rectangle_close(light, p);

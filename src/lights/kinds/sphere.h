@@ -34,6 +34,20 @@ struct SphereLight {
             Mask(false)};
     }
     template <class Light>
+    static EmittedRay emit(const Light& light, Float time, Sample2 position, Sample2 direction)
+    {
+        const Vec3 outwards = sample_sphere(position);
+        const Float radius = light.get(&Record::radius);
+        const Vec3 center = fma(light.get(&Record::velocity), time, light.get(&Record::center));
+        return emit_from_surface(fma(outwards, abs(radius), center), flip_sign(outwards, radius), area(radius),
+                                 light.has(LightRecord::two_sided), direction);
+    }
+    template <class Light>
+    static Float emission_density(const Light& light, const Vec3&, Float)
+    {
+        return surface_emission_density(area(light.get(&Record::radius)), light.has(LightRecord::two_sided));
+    }
+    template <class Light>
     static Mask by_solid_angle(const Light&, Vec3)
     {
         return Mask(true);
@@ -58,6 +72,7 @@ struct SphereLight {
     }
 
 private:
+    static Float area(Float radius) { return radius * radius * Float(4 * pi); }
     /// 1 - cos of the half angle of the sampled cone.
     static Float cone(Float sin2) { return select(sin2 < Float(1), one_minus_cos_of(min(sin2, Float(1))), Float(2)); }
 };

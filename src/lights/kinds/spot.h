@@ -14,26 +14,46 @@ struct SpotLight {
     static LightPoint sample(const Light& light, Vec3 p, Float, Sample2, Mask)
     {
         LightPoint s = PointLight::from_point(light.get(&Record::position), p);
+        s.strength = with_falloff(light, s.wi, s.strength);
+        return s;
+    }
+    /// Samples the cone uniformly.
+    template <class Light>
+    static EmittedRay emit(const Light& light, Float, Sample2, Sample2 direction)
+    {
+        const Float cone = min(light.get(&Record::outer), Float(2));
+        const Vec3 d = Frame(light.get(&Record::axis)).to_world(sample_cone(direction, cone));
+        return {light.get(&Record::position), d, Vec3(Float(0), Float(0), Float(0)), with_falloff(light, -d, Float(2 * pi) * cone)};
+    }
+    template <class Light>
+    static Float emission_density(const Light& light, const Vec3& wi, Float distance)
+    {
+        const Float cone = min(light.get(&Record::outer), Float(2));
+        const Mask inside = Float(1) + dot(wi, light.get(&Record::axis)) < cone;
+        return select(inside, Float(0.5f * inv_pi) / (cone * distance * distance), Float(0));
+    }
+
+    /// Strength multiplied by the falloff for light that travels along -wi.
+    template <class Light>
+    static Float with_falloff(const Light& light, const Vec3& wi, Float strength)
+    {
         // The default falloff is the square of a linear function of the cosine, as KHR_lights_punctual suggests. 1 -
         // cos is half the squared chord, which is accurate where the cosine is close to 1.
-        const Vec3 chord = s.wi + light.get(&Record::axis);
+        const Vec3 chord = wi + light.get(&Record::axis);
         const Float chord2 = dot(chord, chord);
         const Float inside = fma(chord2, Float(-0.5f), light.get(&Record::outer));
         const Float x = clamp(inside / max(light.get(&Record::falloff), Float(1e-30f)), Float(0), Float(1));
         // A smoothstep is x^2 (3 - 2 x).
         const Float is_smooth = light.get(&Record::is_smooth);
-        Float strength = s.strength * x * x * fma(is_smooth, fma(x, Float(-2), Float(2)), Float(1));
+        const Float by_cosine = strength * x * x * fma(is_smooth, fma(x, Float(-2), Float(2)), Float(1));
         const Float outer_angle = light.get(&Record::linear_from);
         const Mask by_solid_angle = outer_angle > Float(0);
-        if (any(by_solid_angle)) {
-            const Float sine = sqrt(max(chord2 * fma(chord2, Float(-0.25f), Float(1)), Float(0)));
-            const Float angle = atan2(sine, fma(chord2, Float(-0.5f), Float(1)));
-            const Float per_radian = light.get(&Record::linear_per_radian);
-            const Float linear = clamp((outer_angle - angle) * per_radian, Float(0), Float(1));
-            strength = select(by_solid_angle, s.strength * linear, strength);
-        }
-        s.strength = strength;
-        return s;
+        if (none(by_solid_angle)) return by_cosine;
+        const Float sine = sqrt(max(chord2 * fma(chord2, Float(-0.25f), Float(1)), Float(0)));
+        const Float angle = atan2(sine, fma(chord2, Float(-0.5f), Float(1)));
+        const Float per_radian = light.get(&Record::linear_per_radian);
+        const Float linear = clamp((outer_angle - angle) * per_radian, Float(0), Float(1));
+        return select(by_solid_angle, strength * linear, by_cosine);
     }
 
     template <class Moving>

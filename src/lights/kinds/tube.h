@@ -36,6 +36,39 @@ struct TubeLight {
                 Float(1),     Mask(true)};
     }
 
+    /// Density with respect to solid angle with which sample() returns the direction wi, outside the tube.
+    template <class Light>
+    static Float pdf(const Light& light, const Vec3& p, const Vec3& wi)
+    {
+        const Axis axis = axis_from(light, p);
+        const Float radius = light.get(&Record::radius), rho = axis.distance, tangent2 = (rho - radius) * (rho + radius);
+        const Vec3 across = fma(axis.e, -dot(wi, axis.e), wi);
+        const Float cosine = dot(across, axis.x) * inverse_sqrt(max(dot(across, across), Float(1e-37f)));
+        const Float root2 = fma(rho * rho, fma(cosine, cosine, Float(-1)), radius * radius);
+        const Float limit = atan2(radius, sqrt(max(tangent2, Float(0))));
+        const Elevations range(tangent2 / fma(rho, cosine, sqrt(max(root2, Float(0)))), axis.along, axis.half_length);
+        return select(rho > radius, Float(0.5f) / max(limit * range.size, Float(1e-30f)), Float(0));
+    }
+
+    template <class Light>
+    static EmittedRay emit(const Light& light, Float, Sample2 position, Sample2 direction)
+    {
+        const Vec3 half = light.get(&Record::half_axis);
+        const Frame frame(unit_or_zero(half));
+        const SinCos turn = sincos_2pi(position.x);
+        const Vec3 n = fma(frame.s, turn.cos, frame.t * turn.sin);
+        const Vec3 on_axis = fma(half, fma(position.y, Float(2), Float(-1)), light.get(&Record::center));
+        EmittedRay ray = emit_from_surface(fma(n, light.get(&Record::radius), on_axis), n, area(light), Mask(false),
+                                           direction);
+        ray.n = Vec3(Float(0), Float(0), Float(0));
+        return ray;
+    }
+    template <class Light>
+    static Float emission_density(const Light& light, const Vec3&, Float)
+    {
+        return surface_emission_density(area(light), Mask(false));
+    }
+
     template <class Moving>
     static void place(Moving& light, const LightPlace& at, Mask m)
     {
@@ -49,6 +82,13 @@ struct TubeLight {
     }
 
 private:
+    template <class Light>
+    static Float area(const Light& light)
+    {
+        const Vec3 half = light.get(&Record::half_axis);
+        return light.get(&Record::radius) * sqrt(dot(half, half)) * Float(4 * pi);
+    }
+
     /// The axis as seen from a point.
     struct Axis {
         Vec3 e;       ///< unit, along the axis, on the side where the center is ahead

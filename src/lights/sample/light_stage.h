@@ -44,6 +44,7 @@ public:
     [[gnu::always_inline]] LightSample sample(Mask valid, Vec3 eye, const SampleKey& key, UInt seed, Sample2 random,
                                               Float time) const
     {
+        // The index of the only light is 0.
         if (is_alone_)
             return sample_light(LightReader<true>(tables_.lights.data(), UInt(0u)), eye, time, random, valid);
         return choose(valid, eye,
@@ -72,17 +73,85 @@ public:
     [[gnu::always_inline]] Float emission_weight(const Light& light, const Vec3& o, Float time, const Vec3& d,
                                                  Float distance, Float pdf, Mask m) const
     {
-        return mis_weight(pdf, selector_.pmf(light, o, m) * pdf_light(light, o, time, d, distance, m));
+        return mis_weight(pdf, density(light, o, time, d, distance, m));
     }
 
     /// emission_weight for lights given by index, which may move or be curves. u: of the hit.
     Float emission_weight_of(UInt light, const Vec3& o, Float time, const Vec3& d, Float distance, Float u, Float pdf,
                              Mask m) const
     {
+        return mis_weight(pdf, density_of(light, o, time, d, distance, u, m));
+    }
+
+    /// Density with respect to solid angle at o with which a light is chosen and sampled along d, for points of
+    /// surfaces that rays hit.
+    template <class Light>
+    [[gnu::always_inline]] Float density(const Light& light, const Vec3& o, Float time, const Vec3& d, Float distance,
+                                         Mask m) const
+    {
+        return selector_.pmf(light, o, m) * pdf_light(light, o, time, d, distance, m);
+    }
+    /// density() for lights given by index, which may move or be curves. u: of the hit.
+    Float density_of(UInt light, const Vec3& o, Float time, const Vec3& d, Float distance, Float u, Mask m) const
+    {
         const LightReader<false> record(tables_.lights.data(), light);
-        if (!any_moves(record, m) && none(curves(record, m)))
-            return emission_weight(record, o, time, d, distance, pdf, m);
-        return mis_weight(pdf, selector_.pmf(record, o, m) * pdf_special(record, o, time, d, distance, u, m));
+        if (!any_moves(record, m) && none(curves(record, m))) return density(record, o, time, d, distance, m);
+        return selector_.pmf(record, o, m) * pdf_special(record, o, time, d, distance, u, m);
+    }
+    /// Density of the environment along d.
+    Float environment_density(const Vec3& d) const
+    {
+        if (tables_.environment.light == no_index) return Float(0);
+        return Float(selector_.pmf(tables_.environment.light)) * environment_pdf(tables_, d);
+    }
+    /// density_of() for all kinds of lights: for those that rays do not hit, the reciprocal of
+    /// LightSample::inverse_pdf.
+    Float any_density_of(UInt light, const Vec3& o, Float time, const Vec3& d, Float distance, Mask m) const
+    {
+        const LightReader<false> record(tables_.lights.data(), light);
+        const UInt kind = record.kind();
+        const auto is = [&](LightRecordKind k) { return m & is_kind(kind, k); };
+        const Mask environment = is(LightRecordKind::environment), tube = is(LightRecordKind::tube),
+                   directional = is(LightRecordKind::directional);
+        const Mask points = is(LightRecordKind::point) | is(LightRecordKind::spot) | is(LightRecordKind::pictured) |
+                            is(LightRecordKind::beam);
+        Float pdf(1.f);
+        if (const Mask hit = m & !(environment | tube | directional | points); any(hit))
+            pdf = select(hit, pdf_special(record, o, time, d, distance, Float(0), hit), pdf);
+        if (any(environment)) pdf = select(environment, environment_pdf(tables_, d), pdf);
+        if (any(tube)) pdf = select(tube, TubeLight::pdf(MovingLight(record, tables_, time, tube), o, d), pdf);
+        if (any(directional)) {
+            const Float spread = record.get(&DirectionalLightRecord::one_minus_cos);
+            pdf = select(directional & (spread > Float(0)), Float(0.5f * inv_pi) / max(spread, Float(1e-30f)), pdf);
+        }
+        return selector_.pmf(record, o, m) * pdf;
+    }
+    /// Lanes whose light rays do not hit, so that only light samples find it.
+    Mask is_unhittable(UInt light, Mask m) const
+    {
+        const LightReader<false> record(tables_.lights.data(), light);
+        const UInt kind = record.kind();
+        return m & (is_kind(kind, LightRecordKind::tube) | is_kind(kind, LightRecordKind::directional) |
+                    is_kind(kind, LightRecordKind::point) | is_kind(kind, LightRecordKind::spot) |
+                    is_kind(kind, LightRecordKind::pictured) | is_kind(kind, LightRecordKind::beam) |
+                    record.has(LightRecord::not_hit_by_rays));
+    }
+
+    /// The hit of a ray from `from` along wi on the surface of a light, at a distance.
+    SurfaceHit surface_hit(const LightReader<false>& light, const Vec3& from, const Vec3& wi, Float distance, Float time,
+                           Mask m) const
+    {
+        return hit_on(MovingLight(light, tables_, time, m), from, wi, distance, time);
+    }
+    /// Factor of a light's radiance at a point of its surface: its emission texture times its alpha; 1 outside m.
+    Spectrum emission_factor(const LightReader<false>& light, const Surface& surface, UInt primitive, Mask m) const
+    {
+        return factor_at(light, light.material(), surface, primitive, m);
+    }
+    /// Factor of the intensity of lights with images, for light that travels along -wi; 1 outside m.
+    Spectrum picture_factor(const LightReader<false>& light, const Vec3& wi, Float time, Mask m) const
+    {
+        return picture_at(MovingLight(light, tables_, time, m), wi, m);
     }
 
 private:
@@ -148,6 +217,7 @@ private:
             if (any(pictured)) s.radiance = s.radiance * picture_at(light, s.wi, pictured);
         }
         s.inverse_pdf = s.inverse_pdf / choice.pmf;
+        s.light = choice.light;
         return s;
     }
 
@@ -185,32 +255,45 @@ private:
     Spectrum factor_at(const Light& light, UInt material, Vec3 from, const LightSample& s, Float time,
                        const AlongCurves& curves, Mask m) const
     {
-        SurfaceHit hit;
-        hit.o = from;
-        hit.d = s.wi;
-        hit.t = s.distance;
-        hit.time = time;
-        hit.primitive = light.primitive();
-        hit.instance = light.instance();
-        // Barycentric coordinates of a triangle's point; other kinds compute theirs from the position.
-        using Triangle = TriangleLightRecord;
-        const Vec3 r = fma(s.wi, s.distance, from) - light.get(&Triangle::corner);
-        const Vec3 u = light.get(&Triangle::edge_u), v = light.get(&Triangle::edge_v);
-        const Vec3 n = cross(u, v);
-        const Float scale = Float(1) / max(dot(n, n), Float(1e-30f));
-        hit.u = select(curves.m, curves.u, dot(cross(r, v), n) * scale);
-        hit.v = dot(cross(u, r), n) * scale;
-        const Surface surface = surfaces_.read(hit, m);
+        SurfaceHit hit = hit_on(light, from, s.wi, s.distance, time);
+        hit.u = select(curves.m, curves.u, hit.u);
+        return factor_at(light, material, surfaces_.read(hit, m), hit.primitive, m);
+    }
+    template <class Light>
+    Spectrum factor_at(const Light& light, UInt material, const Surface& surface, UInt primitive, Mask m) const
+    {
         const UInt texture = materials_.get(&MaterialRecord::emission_texture, material, m);
         const Texel t = evaluate_textures(tables_, texture, surface.at, m);
         Spectrum factor;
         // Round primitives are opaque.
-        const Mask flat = m & less(hit.primitive, UInt(tables_.first_sphere()));
+        const Mask flat = m & less(primitive, UInt(tables_.first_sphere()));
         // The alpha of lights that no ray hits is 0 and does not dim them.
         const Mask masked = flat & !light.has(LightRecord::not_hit_by_rays);
         const Float stopped = opacity(tables_, material, surface.at, masked);
         for (int c = 0; c < channels; ++c) factor.c[c] = select(m, t.c[c] * stopped, Float(1));
         return factor;
+    }
+
+    /// The hit of a ray on the surface of a light.
+    template <class Light>
+    static SurfaceHit hit_on(const Light& light, const Vec3& from, const Vec3& wi, Float distance, Float time)
+    {
+        SurfaceHit hit;
+        hit.o = from;
+        hit.d = wi;
+        hit.t = distance;
+        hit.time = time;
+        hit.primitive = light.primitive();
+        hit.instance = light.instance();
+        // Barycentric coordinates of a triangle's point; other kinds compute theirs from the position.
+        using Triangle = TriangleLightRecord;
+        const Vec3 r = fma(wi, distance, from) - light.get(&Triangle::corner);
+        const Vec3 u = light.get(&Triangle::edge_u), v = light.get(&Triangle::edge_v);
+        const Vec3 n = cross(u, v);
+        const Float scale = Float(1) / max(dot(n, n), Float(1e-30f));
+        hit.u = dot(cross(r, v), n) * scale;
+        hit.v = dot(cross(u, r), n) * scale;
+        return hit;
     }
 
     const LaneScene& scene_;

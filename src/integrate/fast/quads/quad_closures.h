@@ -58,7 +58,8 @@ private:
             clock_.enter(RenderStage::light);
             const LightSample light = sample(smooth);
             Mask lit = smooth & (light.inverse_pdf > Float(0));
-            next.direct = direct_light(closure, at, Guidance{}, light, place.throughput, lit);
+            Float scatter_pdf;
+            next.direct = direct_light(closure, at, Guidance{}, light, place.throughput, lit, scatter_pdf);
             next.shadow = shadow_ray(at, place.eye, light, Float(0));
             next.lit = lit;
         }

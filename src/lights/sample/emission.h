@@ -1,0 +1,152 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include "lights/sample/light_stage.h"
+
+namespace fathom {
+inline namespace FATHOM_LANES {
+
+/// Emission of light paths: chooses a light by its power, a point of it and a direction. Light from infinity starts on a
+/// disk across its direction that covers the scene. Curves emit nothing here.
+class LightEmitter {
+public:
+    LightEmitter(const LaneScene& scene, const LightSampler& lights)
+        : tables_(scene.tables),
+          scene_(scene),
+          surfaces_(scene),
+          lights_(lights),
+          ball_center_(Float(tables_.ball_center[0]), Float(tables_.ball_center[1]), Float(tables_.ball_center[2])),
+          ball_radius_(tables_.ball_radius)
+    {
+    }
+
+    /// Uniform numbers for one emission each.
+    struct Random {
+        Float light;
+        Sample2 position, direction;
+    };
+    /// The start of a light path.
+    struct Emission {
+        UInt light;
+        Vec3 o, d;
+        Spectrum power;  ///< along the ray, per density; 0: nothing is emitted
+    };
+    Emission emit(const Random& random, Float time, Mask m) const
+    {
+        const UInt light = choose(random.light);
+        Emission e = emit_from(light, random.position, random.direction, time, m);
+        e.power = e.power * (Float(1) / LightReader<false>(tables_.lights.data(), light).pmf());
+        return e;
+    }
+    /// emit() from given lights, per density of position and direction alone.
+    Emission emit_from(UInt index, Sample2 position, Sample2 direction, Float time, Mask m) const
+    {
+        Emission e;
+        e.light = index;
+        const LightReader<false> light(tables_.lights.data(), e.light);
+        const UInt kind = light.kind();
+        const Vec3 zero(Float(0), Float(0), Float(0));
+        EmittedRay ray{zero, Vec3(Float(0), Float(0), Float(1)), zero, Float(0)};
+        const MovingLight placed(light, tables_, time, m);
+        LightKinds::for_each([&]<class Kind>() {
+            const Mask mine = m & is_kind(kind, Kind::Record::kind);
+            if (none(mine)) return;
+            const EmittedRay own = Kind::emit(placed, time, position, direction);
+            ray.o = select(mine, own.o, ray.o), ray.d = select(mine, own.d, ray.d), ray.n = select(mine, own.n, ray.n);
+            ray.scale = select(mine, own.scale, ray.scale);
+        });
+        e.power = light.radiance();
+        const Mask environment = m & is_kind(kind, LightRecordKind::environment);
+        if (any(environment)) {
+            const EnvironmentSample s = sample_environment(tables_, direction);
+            ray.d = select(environment, -s.wi, ray.d);
+            ray.scale = select(environment, s.inverse_pdf, ray.scale);
+            e.power = select(environment, environment_radiance(tables_, s, environment), e.power);
+        }
+        if (const Mask far = is_infinite(kind, m); any(far)) {
+            const DiskPoint disk = sample_disk(position);
+            const Frame frame(ray.d);
+            const Vec3 across = fma(frame.s, disk.x * Float(ball_radius_), frame.t * (disk.y * Float(ball_radius_)));
+            ray.o = select(far, ball_center_ + across - ray.d * Float(1.01f * ball_radius_), ray.o);
+            ray.scale = select(far, ray.scale * Float(pi * ball_radius_ * ball_radius_), ray.scale);
+        }
+        e.o = ray.o, e.d = ray.d;
+        leave_surface(light, ray, time, m, e);
+        if (const Mask pictured = m & is_kind(kind, LightRecordKind::pictured); any(pictured))
+            e.power = e.power * lights_.picture_factor(light, -ray.d, time, pictured);
+        e.power = e.power * ray.scale;
+        return e;
+    }
+
+    /// Density with which emit() starts a path that comes to o along -wi, in the measure of light_tracing.h: per area
+    /// and solid angle, divided by the cosine at the light; for lights without a surface per unit of area across the
+    /// path at o. 0 where emit() finds no path.
+    Float density(UInt index, const Vec3& o, const Vec3& wi, Float distance, Float time, Mask m) const
+    {
+        const LightReader<false> light(tables_.lights.data(), index);
+        const UInt kind = light.kind();
+        Float density(0.f);
+        const auto add = [&](const auto& placed) {
+            LightKinds::for_each([&]<class Kind>() {
+                const Mask mine = m & is_kind(kind, Kind::Record::kind);
+                if (any(mine)) density = select(mine, Kind::emission_density(placed, wi, distance), density);
+            });
+        };
+        if (scene_.has(Feature::moving_lights))
+            add(MovingLight(light, tables_, time, m));
+        else
+            add(light);
+        const Mask environment = m & is_kind(kind, LightRecordKind::environment);
+        if (any(environment)) density = select(environment, environment_pdf(tables_, wi), density);
+        if (const Mask far = is_infinite(kind, m); any(far)) {
+            const Vec3 from = o - ball_center_, across = fma(wi, -dot(from, wi), from);
+            const float area = pi * ball_radius_ * ball_radius_;
+            const Mask covered = dot(across, across) < Float(0.9999f * ball_radius_ * ball_radius_);
+            density = select(far, select(covered, density * Float(1 / area), Float(0)), density);
+        }
+        return density * light.pmf();
+    }
+
+    bool is_infinite(std::uint32_t light) const
+    {
+        return tables_.lights[light].kind == std::uint32_t(LightRecordKind::environment) ||
+               tables_.lights[light].kind == std::uint32_t(LightRecordKind::directional);
+    }
+
+private:
+    static Mask is_infinite(UInt kind, Mask m)
+    {
+        return m & (is_kind(kind, LightRecordKind::environment) | is_kind(kind, LightRecordKind::directional));
+    }
+    UInt choose(Float u) const
+    {
+        return find_interval(tables_.light_cdf.data(), UInt(0u), int(tables_.lights.size()), u);
+    }
+
+    /// Moves the start of rays from surfaces in front of their surface, and applies the surface's emission texture and
+    /// opacity.
+    void leave_surface(const LightReader<false>& light, const EmittedRay& ray, Float time, Mask m, Emission& e) const
+    {
+        const Mask on_surface = m & (light.primitive() != UInt(no_index)) & (dot(ray.n, ray.n) > Float(0.5f));
+        if (none(on_surface)) return;
+        // The surface is read as if a ray along -d had hit it.
+        const Float distance = Float(1);
+        const Vec3 from = fma(ray.d, distance, ray.o);
+        const SurfaceHit hit = lights_.surface_hit(light, from, -ray.d, distance, time, on_surface);
+        const Surface s = surfaces_.read(hit, on_surface);
+        e.o = select(on_surface, fma(flip_sign(s.ng, dot(s.ng, ray.d)), s.offset, s.p), e.o);
+        if (!scene_.has(Feature::textured_lights)) return;
+        const Mask varied = on_surface & (light.material() != UInt(no_index));
+        if (any(varied))
+            e.power = e.power * lights_.emission_factor(light, s, hit.primitive, varied);
+    }
+
+    const SceneTables& tables_;
+    const LaneScene& scene_;
+    const SurfaceReader surfaces_;
+    const LightSampler& lights_;
+    const Vec3 ball_center_;
+    const float ball_radius_;
+};
+
+}  // namespace FATHOM_LANES
+}  // namespace fathom
