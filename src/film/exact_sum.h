@@ -35,6 +35,7 @@ struct ExactSum {
     /// Adds any finite number, after rounding and clamping.
     static void add_number(std::uint32_t* sum, double value)
     {
+        if (std::fabs(value) < 0x1p26) return add(sum, std::llrint(value * double(std::uint64_t(1) << fraction_bits)));
         const double cut = std::fmin(std::fmax(value, -0x1p50), 0x1p50);
         const double scaled = std::nearbyint(std::ldexp(cut, fraction_bits));  // below 2^86
         const double upper = std::floor(std::ldexp(scaled, -32));              // exact: below 2^54
@@ -81,6 +82,7 @@ struct ExactSquareSum {
     /// Adds any number >= 0, after rounding and clamping.
     static void add_number(std::uint32_t* sum, double square)
     {
+        if (square < 0x1p8) return add(sum, Wide(std::llrint(square * double(std::uint64_t(1) << fraction_bits))));
         add(sum, Wide(std::nearbyint(std::ldexp(std::fmin(square, 0x1p64), fraction_bits))));
     }
     /// The sum as a double, rounded.

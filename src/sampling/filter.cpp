@@ -10,10 +10,11 @@ inline namespace FATHOM_LANES {
 
 namespace {
 
-/// Tabulates the inverse cumulative distribution of a filter f that is even and 0 beyond the radius.
+/// Tabulates a filter f that is even and 0 beyond the radius, and the inverse of its cumulative distribution.
 template <class F>
-void invert(float* inverse, int size, double radius, F f)
+void tabulate(FilterTable& table, double radius, F f)
 {
+    constexpr int size = FilterTable::size;
     constexpr int steps = 1 << 15;
     std::vector<double> sum(steps + 1);
     for (int i = 0; i < steps; ++i) sum[std::size_t(i) + 1] = sum[std::size_t(i)] + f(radius * ((i + 0.5) / steps - 1));
@@ -23,22 +24,26 @@ void invert(float* inverse, int size, double radius, F f)
         while (at + 1 < steps && sum[std::size_t(at) + 1] < wanted) ++at;
         const double width = sum[std::size_t(at) + 1] - sum[std::size_t(at)];
         const double part = width > 0 ? (wanted - sum[std::size_t(at)]) / width : 0;
-        inverse[i] = float(radius * ((at + part) / steps - 1));
+        table.inverse[i] = float(radius * ((at + part) / steps - 1));
     }
+    const double integral = 2 * sum[steps] * radius / steps;
+    table.radius = float(radius);
+    constexpr int last = FilterTable::density_size;
+    for (int i = 0; i <= last; ++i) table.density_at[i] = float(f(-radius * i / last) / integral);
 }
 
 }  // namespace
 
 void FilterTable::make_gaussian()
 {
-    invert(inverse, size, 2, [](double x) { return std::exp(-2 * x * x) - std::exp(-8.0); });
+    tabulate(*this, 2, [](double x) { return std::exp(-2 * x * x) - std::exp(-8.0); });
 }
 
 void FilterTable::make_blackman_harris()
 {
     // Four-term Blackman-Harris window with side lobes at -92 dB: Harris 1978.
     constexpr double radius = 1.65;
-    invert(inverse, size, radius, [](double x) {
+    tabulate(*this, radius, [](double x) {
         const double t = std::numbers::pi * (x / radius + 1);
         return 0.35875 - 0.48829 * std::cos(t) + 0.14128 * std::cos(2 * t) - 0.01168 * std::cos(3 * t);
     });
@@ -46,7 +51,7 @@ void FilterTable::make_blackman_harris()
 
 void FilterTable::make_tent()
 {
-    invert(inverse, size, 1, [](double x) { return 1 + x; });
+    tabulate(*this, 1, [](double x) { return 1 + x; });
 }
 
 }  // namespace FATHOM_LANES

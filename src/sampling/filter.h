@@ -32,20 +32,17 @@ struct FilterTable {
         const Float offset = fma(x - to_float(i), hi - lo, lo);
         return select(right, -offset, offset);
     }
-    /// Density with which sample() returns an offset.
+    /// Radius in pixels, and the filter itself, with an integral of 1: values at even distances from 0 to the radius.
+    float radius;
+    static constexpr int density_size = 1024;
+    float density_at[density_size + 1];
+    /// Value of the filter at an offset from the pixel's center.
     float density(float offset) const
     {
-        const float at = -(offset < 0 ? -offset : offset);
-        if (!(at >= inverse[0])) return 0;
-        int lo = 0, hi = size;
-        while (hi - lo > 1) {
-            const int middle = (lo + hi) / 2;
-            (inverse[middle] <= at ? lo : hi) = middle;
-        }
-        const float width = inverse[lo + 1] - inverse[lo];
-        if (!(width > 0)) return 0;
-        const float x = (float(lo) + (at - inverse[lo]) / width) / float(size);
-        return 2 * x * x * x / (float(size) * width);
+        const float x = (offset < 0 ? -offset : offset) * (float(density_size) / radius);
+        if (!(x < float(density_size))) return 0;
+        const int i = int(x);
+        return density_at[i] + (x - float(i)) * (density_at[i + 1] - density_at[i]);
     }
 };
 
