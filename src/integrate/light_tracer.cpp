@@ -236,7 +236,7 @@ private:
         MediumStack media;
         if (scene_.has(Feature::media_stacks)) media = p.media.load(i);
         const Mask first = valid & (p.connection.load(i) < Float(0));
-        const UInt light = p.number.load(i);
+        const UInt light = select(first, p.number.load(i), UInt(0u));
         // Passed boundaries are steps of a walk, which choose other random numbers.
         UInt group = bounce + UInt(1u);
         if (columns_.has(PathColumn::walk_steps)) group = group | p.walk_steps.load(i) << 16;
