@@ -12,7 +12,7 @@ namespace fathom {
 struct EditableScene::Data {
     SceneDescription scene;
     SceneCompiler compiler;
-    std::shared_ptr<Scene::Data> compiled;  ///< null: full compilation needed
+    std::shared_ptr<Scene::Data> compiled;  ///< null if full compilation is needed
     SceneChanges changes;
     bool anew = true;
 
@@ -42,7 +42,7 @@ const std::string& EditableScene::camera() const
 
 namespace {
 
-/// Element by index; throws std::out_of_range, also for negative indices.
+/// Returns the element with this index; throws std::out_of_range, also for negative indices.
 template <class T>
 T& at(std::vector<T>& all, int index)
 {
@@ -164,7 +164,7 @@ Scene EditableScene::compile_bit_exact(Warnings& warnings)
 
 Scene EditableScene::compile(Warnings& warnings)
 {
-    // Moved out first: after an Error the data must not be reused.
+    // The data is moved out first: after an Error it must not be reused.
     std::shared_ptr<Scene::Data> scene = std::exchange(data_->compiled, nullptr);
     const SceneChanges changes = std::exchange(data_->changes, {});
     data_->anew = true;

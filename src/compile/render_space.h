@@ -8,7 +8,7 @@ namespace fathom {
 struct RenderSpace {
     Vec3d origin;
     double scale = 1;   ///< a power of two
-    double radius = 1;  ///< of the scene, in units of render space
+    double radius = 1;  ///< radius of the scene in render space
 
     Vec3d point(Vec3d world) const { return (world - origin) * scale; }
     Transform from_world() const { return Transform::scale({scale, scale, scale}) * Transform::translate(-origin); }

@@ -36,7 +36,8 @@ struct Input {
     Plane plane;
 };
 
-/// The image, with its auxiliary albedo and normal layers; OIDN accepts normals only with an albedo.
+/// Filter inputs of an image: its colors and the auxiliary layers albedo and normal. OIDN accepts normals only with an
+/// albedo.
 std::vector<Input> inputs_of(const Image& image)
 {
     if (image.layers.empty()) throw Error("", "", "can't denoise an empty image");

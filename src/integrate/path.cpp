@@ -53,7 +53,7 @@ public:
     {
         std::size_t active = 0;
         for (;;) {
-            const std::size_t fresh = active;  // camera rays follow the others
+            const std::size_t fresh = active;  // the new camera rays follow the other paths
             clock_.enter(RenderStage::camera);
             active = refill(active);
             if (active == 0) break;
@@ -221,7 +221,7 @@ private:
         return select(samples, UInt(LaneScene::samples_light), UInt(0u));
     }
 
-    /// Appends the numbers of the lanes of m, counted from `first`, to a list.
+    /// Appends the numbers of the lanes of m to a list; lane 0 has the number `first`.
     static void append_indices(Mask m, std::size_t first, Column<std::uint32_t>& numbers, std::size_t& size)
     {
         if (none(m)) return;
@@ -260,7 +260,7 @@ private:
     {
         std::uint32_t place[2 * LaneScene::samples_light] = {};
         for (std::size_t i = 0; i < active; ++i) ++place[buckets_[i]];
-        // Bucket 0 holds the paths that do not continue; it gets no place.
+        // Bucket 0 holds the paths that do not continue, which are not packed.
         std::uint32_t packed = 0;
         for (std::uint32_t kind = 0; kind < closure_kind_count; ++kind) {
             const auto give_places = [&](std::uint32_t mark) {
@@ -300,8 +300,8 @@ private:
                   p.radiance.c[1][i], p.radiance.c[2][i]);
     }
 
-    /// Ends the paths that shading marked as dead, before they are traced again; the last paths of the pool fill their
-    /// places. Returns the number of paths left.
+    /// Removes the paths that shading marked as dead, before the next rays are traced; the last paths of the pool fill
+    /// their places. Returns the number of paths left.
     std::size_t retire_paths(std::size_t active)
     {
         PathPool& p = *paths_;
@@ -334,7 +334,7 @@ private:
                 hits_.primitive.gather(index, m), scene_.is_flat ? UInt(no_index) : hits_.instance.gather(index, m)};
     }
 
-    /// Adds throughput * emitted * weight to the radiance of the paths listed from numbers[at] on.
+    /// Adds throughput * emitted * weight to the radiance of the `lanes` paths that are listed from numbers[at] on.
     void add_radiance(const Column<std::uint32_t>& numbers, std::size_t at, const Spectrum& emitted, Float weight,
                       Mask m)
     {
@@ -448,7 +448,7 @@ private:
     KernelCounters& counters_;
     StageClock clock_;
     std::uint32_t next_ = 0;                         ///< number of the job's next path
-    std::size_t kind_end_[closure_kind_count] = {};  ///< end of each ClosureKind in the compacted pool
+    std::size_t kind_end_[closure_kind_count] = {};  ///< end index of each ClosureKind in the compacted pool
 
     PathPool pools_[2];
     PathPool *paths_ = &pools_[0], *spare_ = &pools_[1];
@@ -470,8 +470,8 @@ void render_job(const KernelScene& scene, const CameraRecord& camera, const Kern
                 const KernelJob& job, TileSums& sums, KernelCounters& counters)
 {
     const auto& lane_scene = static_cast<const LaneScene&>(scene);
-    // Tracers are too large for small stacks. They stay uninitialized because every stage writes what the next one
-    // reads.
+    // Tracers are too large for small stacks. They stay uninitialized because every stage writes its outputs before the
+    // next stage reads them.
     const auto run = [&]<class Tracer>(std::type_identity<Tracer>) {
         const std::unique_ptr<Tracer> tracer(new Tracer(lane_scene, camera, settings, job, sums, counters));
         tracer->run();

@@ -6,7 +6,7 @@
 namespace fathom {
 inline namespace FATHOM_LANES {
 
-/// Pairs of random dimensions: CameraPair in group 0 (the camera), BouncePair in group bounce + 1.
+/// Pairs of random dimensions: CameraPair for group 0 (the camera), BouncePair for group bounce + 1.
 enum CameraPair : std::uint32_t { pair_film, pair_lens, pair_time };
 enum BouncePair : std::uint32_t {
     pair_light,

@@ -28,7 +28,8 @@ enum class Wrap {
     clamp,      ///< The nearest pixel of the border.
     mirror,     ///< The image is repeated, every other copy mirrored.
     black,      ///< 0, including alpha.
-    octahedral  ///< Folded across each edge, for octahedral maps of directions. It is meant for both axes.
+    octahedral  ///< The image continues across each edge, turned by 180 degrees, as octahedral maps of directions
+                ///< require. Meant for both axes.
 };
 
 /// A color parameter: `value`, multiplied by the texture if there is one.
@@ -100,7 +101,7 @@ struct Texture {
     // Kind image.
     int image = -1;                                     ///< Index into SceneDescription::images.
     ColorSpace color_space = ColorSpace::srgb;          ///< Encoding of 8- and 16-bit images.
-    Wrap wrap_u = Wrap::repeat, wrap_v = Wrap::repeat;  ///< What is outside 0 to 1 along u and v.
+    Wrap wrap_u = Wrap::repeat, wrap_v = Wrap::repeat;  ///< Continuation of the image outside 0 to 1, along u and v.
     bool nearest = false;                               ///< Looks up the nearest pixel, not bilinearly.
     /// If not 0, the image (its first channel) is a height map, and the texture is its normal map. White is higher than
     /// black by this fraction of the image's width.

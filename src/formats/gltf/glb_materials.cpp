@@ -132,7 +132,7 @@ bool has_facets(MaterialKind kind)
            kind == MaterialKind::principled;
 }
 
-/// The color that glTF's base color stands for: of transmission in clear materials, else of reflection.
+/// The color that glTF's base color must be: that of transmission in clear materials, else that of reflection.
 ColorInput base_color(const Material& m)
 {
     const bool is_clear = m.kind == MaterialKind::glass || (m.transmission.weight.value > 0 && m.metallic.value == 0);
@@ -162,7 +162,7 @@ void GlbMaterials::put_base_color(const Material& m, Json& json)
     if (json.contains("baseColorFactor") && json["baseColorFactor"].size() == 3) json["baseColorFactor"].push_back(1);
 }
 
-/// The GGX roughness that comes closest.
+/// The GGX roughness that is closest to the material's roughness.
 FloatInput GlbMaterials::ggx_roughness(const Material& m)
 {
     FloatInput roughness = has_facets(m.kind) ? m.roughness : FloatInput{1, -1, green};

@@ -26,7 +26,7 @@ constexpr std::size_t max_elements = 50'000'000;
 
 const std::string none;
 
-/// The file of this name in the first folder that has it.
+/// Returns the path of a file in the first folder that has it.
 std::optional<std::filesystem::path> first_existing(const std::vector<std::filesystem::path>& folders,
                                                     const std::string& name, LoadContext& context)
 {

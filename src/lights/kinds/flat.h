@@ -7,7 +7,7 @@ inline namespace FATHOM_LANES {
 
 namespace detail {
 
-/// Transforms a light that is spanned by two edges. share: its area, in units of that of the parallelogram.
+/// Transforms a light that is spanned by two edges. share: its area relative to that of the parallelogram.
 template <class Record, class Moving>
 void place_edges(Moving& light, const LightPlace& at, Float share, Mask m)
 {
@@ -22,7 +22,7 @@ void place_edges(Moving& light, const LightPlace& at, Float share, Mask m)
 
 }  // namespace detail
 
-/// Parallelogram, sampled uniformly by area.
+/// Parallelogram light, sampled uniformly by area.
 struct ParallelogramLight {
     using Record = ParallelogramLightRecord;
 
@@ -41,11 +41,11 @@ struct ParallelogramLight {
     }
 };
 
-/// Triangle, sampled uniformly by area.
+/// Triangle light, sampled uniformly by area.
 struct TriangleLight {
     using Record = TriangleLightRecord;
 
-    /// Heitz 2019, "A Low-Distortion Map Between Triangle and Square".
+    /// The map from the square is that of Heitz 2019, "A Low-Distortion Map Between Triangle and Square".
     template <class Light>
     static LightPoint sample(const Light& light, Vec3 p, Float, Sample2 random, Mask)
     {
@@ -64,7 +64,7 @@ struct TriangleLight {
     }
 };
 
-/// Disk, sampled uniformly by area.
+/// Disk light, sampled uniformly by area.
 struct DiskLight {
     using Record = DiskLightRecord;
 

@@ -39,8 +39,8 @@ public:
 
     /// Samples a point of the only light, or of a selected one; the density includes the probability of selection.
     ///
-    /// key, seed  of the bounce, for the selection
-    /// random     for the point
+    /// key, seed  random numbers of the bounce, for the selection
+    /// random     random numbers for the point
     [[gnu::always_inline]] LightSample sample(Mask valid, Vec3 eye, const SampleKey& key, UInt seed, Sample2 random,
                                               Float time) const
     {
@@ -53,7 +53,7 @@ public:
     }
 
     /// Environment radiance of rays that leave the scene along d, with its MIS weight, for the lanes of m. specular:
-    /// lanes with weight 1; pdf: density of having sampled d.
+    /// lanes with weight 1; pdf: density with which d was sampled.
     Spectrum environment(const KernelBackground& background, bool lights_are_sampled, Vec3 d, Mask from_camera,
                          Mask specular, Float pdf, Mask m) const
     {
@@ -75,7 +75,7 @@ public:
         return mis_weight(pdf, selector_.pmf(light, o, m) * pdf_light(light, o, time, d, distance, m));
     }
 
-    /// emission_weight for lights given by index, which may move or be curves. u: of the hit.
+    /// emission_weight() for lights given by index, which may move or be curves. u: curve parameter of the hit.
     Float emission_weight_of(UInt light, const Vec3& o, Float time, const Vec3& d, Float distance, Float u, Float pdf,
                              Mask m) const
     {
@@ -174,7 +174,7 @@ private:
         return c.u;
     }
 
-    /// Curve parameters of sampled points on curves.
+    /// Curve parameters of sampled points on curve lights.
     struct AlongCurves {
         Float u;
         Mask m;
@@ -192,7 +192,8 @@ private:
         hit.time = time;
         hit.primitive = light.primitive();
         hit.instance = light.instance();
-        // Barycentric coordinates of a triangle's point; other kinds compute theirs from the position.
+        // Triangle lights store the barycentric coordinates of the point; other kinds compute texture coordinates from
+        // the position.
         using Triangle = TriangleLightRecord;
         const Vec3 r = fma(s.wi, s.distance, from) - light.get(&Triangle::corner);
         const Vec3 u = light.get(&Triangle::edge_u), v = light.get(&Triangle::edge_v);
@@ -204,9 +205,9 @@ private:
         const UInt texture = materials_.get(&MaterialRecord::emission_texture, material, m);
         const Texel t = evaluate_textures(tables_, texture, surface.at, m);
         Spectrum factor;
-        // Round primitives are opaque.
+        // Only flat primitives are alpha-tested; round ones are opaque.
         const Mask flat = m & less(hit.primitive, UInt(tables_.first_sphere()));
-        // The alpha of lights that no ray hits is 0 and does not dim them.
+        // Lights that no ray hits have an alpha of 0, which does not dim them.
         const Mask masked = flat & !light.has(LightRecord::not_hit_by_rays);
         const Float stopped = opacity(tables_, material, surface.at, masked);
         for (int c = 0; c < channels; ++c) factor.c[c] = select(m, t.c[c] * stopped, Float(1));
@@ -219,7 +220,7 @@ private:
     const MaterialReader materials_;
     const LightSelector selector_;
     const bool leaves_environment_;
-    bool is_alone_;  ///< there is one light, of constant radiance
+    bool is_alone_;  ///< whether there is only one light, of constant radiance
 };
 
 }  // namespace FATHOM_LANES
