@@ -35,7 +35,7 @@ Image heights(int texels)
     return image;
 }
 
-/// A mesh with as many triangles and the vertex data of a displaced square.
+/// A mesh with the number of triangles and the vertex data of a displaced square.
 Mesh grid(int parts)
 {
     Mesh mesh;

@@ -36,8 +36,8 @@ if(FATHOM_FUZZ)
 endif()
 target_include_directories(fathom_flags INTERFACE ${PROJECT_SOURCE_DIR}/include ${PROJECT_SOURCE_DIR}/src)
 
-# Results are equal on all machines and at all SIMD widths: contraction to fused multiply-add only where the code says
-# fma, and no fast-math. errno and floating-point traps are not used.
+# Results are equal on all machines and at all SIMD widths: no fast-math, and multiplication and addition are fused only
+# where the code calls fma. errno and floating-point traps are not used.
 add_library(fathom_float INTERFACE)
 target_compile_options(fathom_float INTERFACE -ffp-contract=off -fno-math-errno -fno-trapping-math)
 

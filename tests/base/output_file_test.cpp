@@ -326,8 +326,8 @@ TEST_F(SharedFolder, AnotherUsersLinkIsRefused)
 
 TEST_F(SharedFolder, OtherLinksAreFollowed)
 {
-    // Links are followed if the user owns them, if nobody else can write to their folder, or if their owner owns the
-    // folder.
+    // Links are followed if the user owns them, if nobody else can write to their folder, or if their owner also owns
+    // the folder.
     fs::create_symlink(own_ / "victim", shared_ / "a");
     EXPECT_EQ(refusal(shared_ / "a"), "");
     EXPECT_EQ(text_of(own_ / "victim"), "new");

@@ -42,7 +42,7 @@ struct Picture {
     }
 };
 
-/// Brighter and noisier in the right half.
+/// An image that is brighter and noisier in the right half.
 Picture noisy()
 {
     Picture p;

@@ -475,7 +475,7 @@ std::vector<std::string> ies_seeds()
 
 std::vector<std::string> measured_seeds()
 {
-    // Arrays follow each other with the sizes of their shapes.
+    // The data of all arrays, one after another, in sizes that follow from their shapes.
     struct Field {
         std::string name;
         std::vector<std::uint64_t> shape;

@@ -129,7 +129,7 @@ TEST(Hdr, IsNearestAtEveryWidth)
 {
     for (int width : {1, 7, 8, 9, 200, 32767, 32768}) {
         Image image = make_test_image(width, 3, {"R", "G", "B"}, 1000);
-        // runs of equal pixels in the first row
+        // Make runs of equal pixels in the first row.
         for (int i = 0; i < 3 * width; ++i) image.layers[0].pixels[i] = float(i / 300);
         const Image read = written_and_read(image, "a.hdr");
         ASSERT_EQ(read.width, width);
@@ -162,7 +162,7 @@ TEST(Webp, IsWrittenLikePngUnlessItMayLose)
     const Image png = written_and_read(image, "a.png"), webp = written_and_read(image, "a.webp");
     ASSERT_EQ(webp.layers[0].channels, png.layers[0].channels);
     EXPECT_EQ(webp.layers[0].pixels, png.layers[0].pixels);
-    // Lossy without alpha: a smooth image stays close.
+    // Lossy compression without alpha keeps a smooth image close to the original.
     image = make_test_image(64, 48, {"R", "G", "B"});
     for (int i = 0; i < 64 * 48; ++i)
         for (int c = 0; c < 3; ++c)
@@ -236,7 +236,7 @@ TEST(ForeignFiles, PngHasItsHighByteFirst)
     EXPECT_FALSE(wide.is_linear);
 }
 
-/// RGBE: mantissas red, green, blue, and a shared exponent with bias 128.
+/// Pixels of RGBE have mantissas of red, green, blue, and a shared exponent with bias 128.
 TEST(ForeignFiles, HdrSharesAnExponent)
 {
     const Image image = read_image("a.hdr", hdr_of_two_pixels, sizeof hdr_of_two_pixels);
@@ -245,7 +245,8 @@ TEST(ForeignFiles, HdrSharesAnExponent)
     EXPECT_TRUE(image.is_linear);
 }
 
-/// Bytes that our writers produce: the first pixel of an uncompressed PNG row, of an HDR, of an EXR.
+/// Files begin with the bytes that the formats specify: the first pixel of an uncompressed PNG row, of an HDR, of an
+/// EXR.
 TEST(ForeignFiles, WhatIsWrittenIsWhatTheFormatsSay)
 {
     const TemporaryFolder folder;

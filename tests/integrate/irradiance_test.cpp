@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Irradiance of a floor by each kind of light, against closed forms.
+/// Tests of the irradiance of a floor by each kind of light, against closed forms.
 #include "picture_helpers.h"
 
 namespace fathom {
@@ -146,7 +146,7 @@ TEST(Lights, PointSpotAndDirectional)
     expect_mean(mean(light, {1, 2, 0}), 0.5 / std::numbers::pi * 5 / 5 * (2 / std::sqrt(5.0)), 0.005);
     light.kind = LightKind::directional;
     expect_mean(mean(light, {0, 0, 0}), 0.5 / std::numbers::pi * 5);
-    // A disk of directions so large that BSDF samples would often hit it if it were visible.
+    // The light is a disk of directions so large that BSDF samples would often hit it if it were visible.
     light.angle = 1.2;
     expect_mean(mean(light, {0, 0, 0}), 0.5 / std::numbers::pi * 5);
     light.kind = LightKind::spot;
@@ -156,7 +156,7 @@ TEST(Lights, PointSpotAndDirectional)
     expect_mean(mean(light, {3, 2, 0}), 0, 0);
 }
 
-/// Spot light from the cone's center to beyond its edge, for tiny cones to more than a hemisphere: formula of
+/// Spots from the cone's center to beyond its edge, for tiny cones to more than a hemisphere, against the formula of
 /// KHR_lights_punctual in double precision.
 TEST(Lights, SpotOfEveryWidth)
 {

@@ -6,7 +6,7 @@
 #include "picture_helpers.h"
 #include "scene/parameters.h"
 
-// Effects of textures, normal maps and tangents on layered materials: a square under one directional light.
+// Tests of textures, normal maps and tangents on layered materials: a square under one directional light.
 namespace fathom {
 namespace {
 
@@ -74,7 +74,7 @@ void enable_all_layers(Material& m)
     m.thin_film.weight.value = 0.5f, m.thin_film.thickness.value = 350;
 }
 
-/// The counterpart for the Disney closure, solid or thin.
+/// Enables every lobe of the Disney closure, solid or thin.
 void enable_all_disney_lobes(Material& m, bool thin)
 {
     m.kind = MaterialKind::disney;
@@ -159,7 +159,7 @@ TEST(LayerForms, ColorsHaveTextures)
     for (const auto& [name, member] : colors) {
         Shown shown;
         const bool is_beyond = name.find("transmission") != std::string::npos;
-        // Grazing directions, where the edge color of a metal shows.
+        // The edge color of a metal shows at grazing directions.
         if (name == "edge_color")
             shown.to_eye = normalize(Vec3d{3, 0, 1}), shown.to_light = normalize(Vec3d{-3, 0.2, 1});
         if (is_beyond) shown.to_light = normalize(Vec3d{-0.4, 0.3, -0.8});

@@ -261,7 +261,7 @@ TEST(LightForms, Sphere)
     }
 }
 
-/// Several lights of different kinds and strengths add up.
+/// All kinds of lights, of different strengths, add up.
 TEST(LightForms, AllKindsTogether)
 {
     Floor floor;
@@ -296,7 +296,7 @@ TEST(LightForms, SidesOfLamps)
                     const int lamp = b.diffuse(0, {3, 3, 3});
                     const double up = upside_down ? 1 : -1;
                     Node node;
-                    // Mirrored along x, which maps the shape onto itself.
+                    // The node mirrors along x, which maps the shape onto itself.
                     node.parent_from_node =
                         Transform::translate({0, 1, 0}) * Transform::scale({mirrored ? -1.0 : 1.0, 1, 1});
                     Shape shape;

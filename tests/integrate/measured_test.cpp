@@ -9,8 +9,8 @@ using namespace test;
 
 using std::numbers::pi;
 
-/// A diffuse measured BRDF whose value per channel depends on the azimuth of the view only; integrals are 2 pi times
-/// it.
+/// A diffuse measured BRDF whose value per channel depends only on the azimuth of the view. Its integral over
+/// directions is 2 pi times the value.
 MeasuredBrdf even(const std::vector<float>& phis, const std::vector<Color>& colors)
 {
     MeasuredBrdf brdf;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Third-party scenes compared with images rendered by Mitsuba 3 and pbrt-v4.
+// Tests of third-party scenes against images rendered by Mitsuba 3 and pbrt-v4.
 #include <filesystem>
 
 #include "fathom/image.h"

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "picture_helpers.h"
 
-// Solids with subsurface scattering: Chandrasekhar's half-space, the Beer-Lambert law, and energy conservation.
+// Tests of solids with subsurface scattering: Chandrasekhar's half-space, the Beer-Lambert law, and energy
+// conservation.
 namespace fathom {
 namespace {
 
@@ -70,7 +71,7 @@ private:
     std::vector<double> h_;
 };
 
-/// Radiance under a white sky at the center of a solid's face that is far from all its other faces.
+/// Radiance under a white sky at the center of a face of a solid, far from all its other faces.
 Mean face_of(const Material& m, double degrees, std::uint64_t samples = 1024)
 {
     SceneBuilder b;

@@ -55,8 +55,8 @@ TEST_F(CompleteScene, FramesFromEveryDirection)
         }
 }
 
-/// The silhouette touches the margin on two opposite sides: no camera in that direction is closer. Also for shapes that
-/// do not fill their bounding box, and under motion and rotation.
+/// The silhouette touches the margin on two opposite sides, so no camera in that direction is closer. This holds for
+/// shapes that do not fill their bounding box, and under motion and rotation.
 TEST_F(CompleteScene, TheSilhouetteFillsThePicture)
 {
     int at_tip = 0;

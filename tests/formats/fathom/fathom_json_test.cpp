@@ -151,7 +151,7 @@ TEST_F(FathomJson, Glass)
     }
 }
 
-/// Every camera key with a distinct value.
+/// Each key of a camera has a distinct value.
 TEST_F(FathomJson, EveryKeyOfACamera)
 {
     const SceneDescription scene = load("c.json", R"({"cameras": {

@@ -11,7 +11,7 @@ namespace {
 
 class Gltf : public ImportTest {
 protected:
-    /// The only mesh of a file.
+    /// Mesh of a file that has only one.
     Mesh mesh_of(const std::string& gltf)
     {
         const SceneDescription scene = load("a.gltf", gltf);

@@ -72,13 +72,13 @@ TEST_F(Mitsuba, IncludesWithinIncludes)
     expect_color(found(text), 0.2, 0.2, 0.2);
     material("parts/sub/m.xml", "0.3");
     expect_color(found(text), 0.3, 0.3, 0.3);
-    // This include is found beside the scene.
+    // The file is found beside the scene.
     material("assets/n.xml", "0.4");
     const std::string paths = R"(<path value="assets"/><path value="more"/><include filename="n.xml"/>)" + shape;
     expect_color(found(paths), 0.4, 0.4, 0.4);
     material("more/n.xml", "0.5");
     expect_color(found(paths), 0.5, 0.5, 0.5);
-    // An included file with a single object, whose name attribute is overridden.
+    // The included file has a single object, whose name attribute is overridden.
     write("texture.xml", R"(<texture version="3.0.0" type="checkerboard" name="other"/>)");
     const SceneDescription scene = read(R"(<shape type="sphere"><bsdf type="diffuse">
 <include filename="texture.xml" name="reflectance"/></bsdf></shape>)");
@@ -224,7 +224,7 @@ TEST_F(Mitsuba, Crop)
             EXPECT_NEAR(a[1], b[1], 1e-12) << type;
         }
         if (type == std::string("orthographic")) continue;
-        // Offset as a fraction of the film's width to the right and height down, for any crop.
+        // The offset is a fraction of the film's width to the right and of its height down, for any crop.
         const std::string offset = R"(<float name="principal_point_offset_x" value="0.25"/>
 <float name="principal_point_offset_y" value="0.1"/>)";
         for (const char* crop : {"", R"(<integer name="crop_width" value="10"/>)"}) {

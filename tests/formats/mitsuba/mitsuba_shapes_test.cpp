@@ -75,7 +75,7 @@ TEST_F(Mitsuba, NormalsOfMeshes)
     EXPECT_EQ(flipped.indices[1], smooth.indices[2]);
 }
 
-/// Sides that emit and reflect, as in Mitsuba 3.9.1: meshes with normals use their normals; other meshes use the
+/// Which sides emit and reflect agrees with Mitsuba 3.9.1: meshes with normals use their normals; other meshes use the
 /// winding in world space (counterclockwise seen from the front); mirrored spheres are inside out.
 TEST_F(Mitsuba, FrontsOfMirroredShapes)
 {
@@ -120,7 +120,7 @@ TEST_F(Mitsuba, FrontsOfMirroredShapes)
     }
     EXPECT_EQ(front("down.obj", ""), -1);
     EXPECT_EQ(front("down.obj", faceted), 1);
-    // One file used twice, the second time mirrored.
+    // The file is used twice, the second time mirrored.
     const std::string plain = R"(<shape type="ply"><string name="filename" value="plain.ply"/>)";
     EXPECT_EQ(read(plain + "</shape>" + plain + mirrored + "</shape>").meshes.size(), 2u);
     const auto radius = [&](const std::string& said) {
@@ -255,7 +255,7 @@ std::string deflated(const std::string& bytes)
     return out;
 }
 
-/// Two meshes of one triangle: floats with normals and texture coordinates, and doubles.
+/// A file of two meshes of one triangle: floats with normals and texture coordinates, and doubles.
 std::string two_meshes(std::uint32_t last_index = 2)
 {
     const std::string sign = {0x1c, 0x04, 4, 0};
@@ -289,7 +289,7 @@ TEST_F(Mitsuba, SerializedMeshes)
     EXPECT_EQ(scene.meshes[1].indices, (std::vector<std::uint32_t>{0, 1, 2}));
 }
 
-/// Volume file with the values of a signed distance function on a grid of the given size along x, y, z.
+/// A volume file with the values of a signed distance function on a grid of the given size along x, y, z.
 template <class Distance>
 std::string volume_of(std::array<std::int32_t, 3> size, const Distance& distance)
 {
@@ -304,7 +304,7 @@ std::string volume_of(std::array<std::int32_t, 3> size, const Distance& distance
     return bytes;
 }
 
-/// A grid with a different size along each axis; it fills the unit cube.
+/// Grids may have a different size along each axis; they fill the unit cube.
 TEST_F(Mitsuba, GridsOfDistances)
 {
     const Vec3d center{0.5, 0.45, 0.55};

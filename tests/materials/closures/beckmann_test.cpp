@@ -49,7 +49,7 @@ TEST(Beckmann, NormalsCoverTheSurface)
     }
 }
 
-/// A plastic with a black base reduces to its boundary: F D G / 4, in double precision.
+/// A plastic with a black base reduces to its boundary, F D G / 4, in double precision.
 TEST(Beckmann, IsTheFormula)
 {
     RandomDirections direction;

@@ -119,7 +119,7 @@ public:
     }
 
 private:
-    /// Indices and weights of the tables around the angles.
+    /// Computes indices and weights of the tables around the angles.
     void weigh(double theta, double phi) const
     {
         const auto around = [](const std::vector<float>& angles, double x) {
@@ -149,7 +149,7 @@ private:
             }
         return sum;
     }
-    /// Simpson's rule in each table cell, where f is linear.
+    /// Integrates by Simpson's rule in each table cell, where f is linear.
     static double integral(double from, double to, int size, const std::function<double(double)>& f)
     {
         double sum = 0;
