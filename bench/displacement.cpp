@@ -2,7 +2,7 @@
 /// Cost of displacement: a square displaced by an image of a given number of texels per side, beside a mesh of equal
 /// triangles. The program for "Displacement" in docs/measurements/scene-changes.md.
 ///
-///     displacement [texels] [displaced | mesh]
+/// usage: displacement [texels] [displaced | mesh]
 #include <sys/resource.h>
 
 #include <algorithm>

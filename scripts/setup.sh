@@ -148,7 +148,7 @@ free_memory() {
     echo "$free"
 }
 
-# One compiler per core, limited to one per 1.5 GB of memory.
+# Prints the number of compilers that run at once: one per core, limited to one per 1.5 GB of memory.
 build_jobs() {
     local cores by_memory
     cores=$(nproc 2>/dev/null || echo 1)

@@ -25,7 +25,7 @@ ours() {
         ours'
 }
 
-# The first compile command of each project file, in a compilation database of its own.
+# Makes a compilation database of the first compile command of each project file.
 base=$(mktemp -d)
 trap 'rm -r "$base"' EXIT
 python3 - "$folder" "$base" "$PWD" "$name" >"$base/files" <<'PYTHON'

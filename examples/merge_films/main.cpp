@@ -68,7 +68,7 @@ try {
     const fathom::RenderJob job(load(scene), settings());
     fathom::Film whole(job);
     fathom::render(job, {0, samples}, whole);
-    // The image, its albedo, normals and variance.
+    // The images have radiance, albedo, normals and variance.
     const fathom::Image image = merged.image(false, true), expected = whole.image(false, true);
     bool identical = merged.samples() == whole.samples();
     for (std::size_t i = 0; i < expected.layers.size(); ++i)

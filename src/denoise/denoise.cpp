@@ -18,7 +18,7 @@ namespace {
 using Device = std::unique_ptr<std::remove_pointer_t<Oidn::Device>, decltype(Oidn::oidnReleaseDevice)>;
 using Filter = std::unique_ptr<std::remove_pointer_t<Oidn::Filter>, decltype(Oidn::oidnReleaseFilter)>;
 
-/// Three floats per pixel.
+/// An image plane of three floats per pixel.
 using Plane = std::vector<float>;
 
 /// First three channels of a layer.

@@ -26,7 +26,7 @@ const std::uint64_t* foreseen = nullptr;
 /// Simulates file systems without O_TMPFILE, such as NFS.
 bool without_nameless_files = false;
 
-/// Arguments of fsync in order: the size of each file, and -1 for a folder.
+/// Arguments of each call of fsync, in order: the size of the file, or -1 for a folder.
 std::vector<off_t> synced;
 
 }  // namespace

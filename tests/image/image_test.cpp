@@ -206,7 +206,7 @@ TEST(Stb, ReadsPnmInBothDepths)
             EXPECT_THROW(read_image("cut", whole.data(), cut), Error) << cut;
 }
 
-// -- files made by other programs, byte by byte: a reader and a writer could share an error
+// Files made by other programs are tested byte by byte, because a reader and a writer could share an error.
 
 const unsigned char png_of_16_bits[] = {
     0x89, 0x50, 0x4e, 0x47, 0x0d, 0x0a, 0x1a, 0x0a, 0x00, 0x00, 0x00, 0x0d, 0x49, 0x48, 0x44, 0x52, 0x00,
@@ -258,7 +258,7 @@ TEST(ForeignFiles, WhatIsWrittenIsWhatTheFormatsSay)
     EXPECT_EQ(end, (std::vector<unsigned char>{128, 64, 32, 129, 128, 64, 32, 131}));
     write_image(folder.path() / "a.exr", image, {});
     const std::vector<char> exr = test::bytes_of(folder.path() / "a.exr");
-    // EXR sorts channels by name: B, G, R, each in a row of its own.
+    // EXR sorts channels by name; B, G and R each have a row of their own.
     float values[6];
     std::memcpy(values, &exr[exr.size() - sizeof values], sizeof values);
     const float expected[] = {0.25f, 1, 0.5f, 2, 1, 4};

@@ -85,13 +85,13 @@ void expect_irradiance(int w, int h)
         return (texel(x0, y0, c) * (1 - fx) + texel(x0 + 1, y0, c) * fx) * (1 - fy) +
                (texel(x0, y0 + 1, c) * (1 - fx) + texel(x0 + 1, y0 + 1, c) * fx) * fy;
     };
-    // A rotation that distinguishes the image's axes.
+    // The rotation distinguishes the image's axes.
     const Transform turn = Transform::rotate({1, 2, 0.5}, 0.6);
     double expected[3] = {};
     constexpr int n = 1000;
     for (int i = 0; i < n; ++i)
         for (int j = 0; j < n; ++j) {
-            // Cosine-weighted directions from points of the unit disk.
+            // Directions are cosine-weighted, from points of the unit disk.
             const double r = std::sqrt((i + 0.5) / n), phi = 2 * pi * (j + 0.5) / n;
             const Vec3d d = turn.inverse().vector({r * std::cos(phi), std::sqrt(1 - r * r), r * std::sin(phi)});
             for (int c = 0; c < 3; ++c) expected[c] += radiance(d, c) / (n * n);

@@ -129,7 +129,7 @@ TEST(Hair, IsLitFromBehind)
     }
 }
 
-/// The first nonzero of melanin, absorption and color determines the absorption.
+/// The first of melanin, absorption and color that is not zero determines the absorption.
 TEST(Hair, ColorByMelaninAbsorptionOrColor)
 {
     const auto albedo = [](const Material& m) {
@@ -159,8 +159,7 @@ TEST(Hair, ColorByMelaninAbsorptionOrColor)
     EXPECT_EQ(albedo(both).value[0], albedo(hair({0.3f, 0.3f, 0.3f})).value[0]);
 }
 
-/// On other shapes, hair fibers run along increasing u: a sphere, a disk, a parallelogram and triangles with white
-/// hair.
+/// Hair fibers run along increasing u on other shapes: a sphere, a disk, a parallelogram and triangles with white hair.
 TEST(Hair, OnOtherShapes)
 {
     Mesh two;

@@ -135,7 +135,7 @@ TEST(IndirectClamp, FarAboveAllLightChangesNoBit)
               render_film(scene, limited, 16).image(false, true).layers[0].pixels);
 }
 
-/// The warned-about caustic noise of few samples disappears with clamping.
+/// Caustic noise of few samples, which gives a warning, disappears with clamping.
 TEST(IndirectClamp, RemovesReportedFireflies)
 {
     RenderSettings settings = small_image_settings(64, 48);

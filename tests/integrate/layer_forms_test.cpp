@@ -19,7 +19,7 @@ struct Shown {
     Vec3d to_eye = normalize(Vec3d{0.5, -0.3, 1});
     Vec3d to_light = normalize(Vec3d{-0.2, 0.6, 0.8});
 
-    /// f cos: the reflected radiance of a directional light of illuminance 1.
+    /// Returns f cos, which is the reflected radiance of a directional light of illuminance 1.
     Color of(const std::function<void(Material&, SceneBuilder&)>& add_objects) const
     {
         SceneBuilder b;
@@ -178,7 +178,7 @@ TEST(LayerForms, ColorsHaveTextures)
     }
 }
 
-/// Diffuse transmission of light from behind: Lambert's law times the transmitted fraction.
+/// Diffuse transmission of light from behind follows Lambert's law, times the transmitted fraction.
 TEST(LayerForms, DiffuseTransmissionOfLightFromBehind)
 {
     Shown shown;
@@ -191,7 +191,7 @@ TEST(LayerForms, DiffuseTransmissionOfLightFromBehind)
     expect_equal(c, {float(0.9 * lambert), float(0.5 * lambert), float(0.2 * lambert)}, "from behind");
 }
 
-/// f cos of GGX with height-correlated masking (alphas along t and b) and Schlick's Fresnel term with f0.
+/// Returns f cos of GGX with height-correlated masking (alphas along t and b) and Schlick's Fresnel term with f0.
 double ggx(Vec3d n, Vec3d t, Vec3d b, double along, double across, double f0, Vec3d o, Vec3d l)
 {
     const Vec3d h = normalize(o + l);

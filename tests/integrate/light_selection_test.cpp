@@ -53,7 +53,7 @@ std::vector<NodeKey> random_motion(RandomNumbers& chance)
     return keys;
 }
 
-/// Triangles, a panel and a spot light in a moving node, and triangles with moving vertices.
+/// Adds triangles, a panel and a spot light in a moving node, and triangles with moving vertices.
 void add_moving_lights(SceneBuilder& b, RandomNumbers& chance)
 {
     Mesh mesh = random_triangles(chance, 5);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "picture_helpers.h"
 
-// Scenes with measured materials: orientation, and agreement of NEE and BSDF sampling.
+// Tests of scenes with measured materials: orientation, and agreement of NEE and BSDF sampling.
 namespace fathom {
 namespace {
 
@@ -61,7 +61,7 @@ TEST(MeasuredScenes, LieAlongTheTangent)
                 SceneBuilder s;
                 s.scene.environment.kind = EnvironmentKind::constant;
                 s.scene.measured = {even({0}, {{0.2f, 0.2f, 0.2f}}), even(quarters, by_quarter)};
-                // The front faces up: cross(edge_u, edge_v).
+                // The front faces up, along cross(edge_u, edge_v).
                 s.add(Rectangle{{-1, 0, 1}, {2, 0, 0}, {0, 0, -2}}, s.material(measured(1)));
                 s.scene.nodes[0].parent_from_node = Transform::rotate({0, 1, 0}, turned);
                 const double a = azimuth * pi / 180, e = elevation * pi / 180;

@@ -99,7 +99,7 @@ TEST(Media, WaterInAGlass)
     }
 }
 
-/// A light, a mirror and a dark wall inside colored glass, seen through its surface.
+/// A light, a mirror and a dark wall inside colored glass are seen through its surface.
 TEST(Media, ObjectsInsideColoredGlass)
 {
     for (const bool mirrored : {false, true}) {
@@ -130,7 +130,7 @@ TEST(Media, ObjectsInsideColoredGlass)
 TEST(Media, ScatteringCountsAsBounces)
 {
     constexpr double thickness = 1.5;
-    // Transmittance of isotropic light from a plane: the exponential integral E2.
+    // Transmittance of isotropic light from a plane is the exponential integral E2.
     const auto passes = [](double depth) {
         double sum = 0;
         constexpr int n = 400;

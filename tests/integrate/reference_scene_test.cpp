@@ -38,7 +38,7 @@ TEST(ReferenceScenes, MeansMatchMitsuba)
         expect_mean_of(folder / name / "scene.xml", folder / name / "reference.exr");
 }
 
-/// A scene without approximations: diffuse surfaces, metal and glass.
+/// The scene is converted without approximations: it has diffuse surfaces, metal and glass.
 TEST(ReferenceScenes, MeansMatchPbrt)
 {
     const std::filesystem::path folder = std::filesystem::path(FATHOM_SHARED_SCENES) / "pbrt-v4/veach-ajar";

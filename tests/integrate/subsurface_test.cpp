@@ -101,7 +101,7 @@ TEST(Subsurface, ColorIsTheAlbedoOfAHalfSpace)
     const double color[] = {0.15, 0.5, 0.85};
     const Mean m = face_of(subsurface({0.15f, 0.5f, 0.85f}, 0.5), 40);
     for (int c = 0; c < 3; ++c) {
-        // Van de Hulst's approximation, solved by bisection.
+        // Van de Hulst's approximation is solved by bisection.
         double s = 0, above = 1;
         for (int i = 0; i < 60; ++i) {
             const double middle = (s + above) / 2;

@@ -205,7 +205,7 @@ TEST_F(TextureForms, ChannelsOfRoughnessMetallicAndAlpha)
         }
 }
 
-/// Texture color times factor, for reflection and emission.
+/// A texture's color is multiplied by the factor, for reflection and emission.
 TEST_F(TextureForms, ColorsMultiply)
 {
     for (const bool emits : {false, true}) {
@@ -289,7 +289,7 @@ TEST_F(TextureForms, NormalMaps)
                 m.normal_map.texture = v.texture(t);
                 m.normal_map.scale = scale;
                 const int material = v.material(m);
-                // Tangent and bitangent of the shape.
+                // The vectors are the tangent and the bitangent of the shape.
                 Vec3d right{1, 0, 0}, up{0, 1, 0};
                 if (kind == 0) v.add(Rectangle{{-1, -1, 0}, {2, 0, 0}, {0, 2, 0}}, material);
                 if (kind == 1) {
@@ -457,7 +457,7 @@ TEST(AlphaForms, ShadowsAndCutoff)
 /// rays.
 TEST_F(TextureForms, AlphaLiesWhereThePictureDoes)
 {
-    // Cells of a pattern without any rotation or mirror symmetry.
+    // The pattern has no rotation or mirror symmetry.
     const auto stands = [](int x, int y) { return ((x * 3 + y * y + (x == 0 ? y : 0)) % 4) < 2; };
     for (const bool tree : {false, true})
         for (const bool shadow : {false, true})

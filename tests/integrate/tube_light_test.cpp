@@ -27,7 +27,8 @@ double tube_irradiance(const Transform& place, double length_z, double radius)
     return sum;
 }
 
-/// Tubes of given radiance or flux, near and far, rotated and scaled, at rest and in a moving node.
+/// Tubes of given radiance or flux light a floor as calculated, near and far, rotated and scaled, at rest and in a
+/// moving node.
 TEST(Lights, Tubes)
 {
     for (const double scale : {1.0, 2.5})

@@ -144,7 +144,7 @@ TEST(RandomNumbers, OfADecisionAreItsOwn)
         for (std::size_t b = 0; b < a; ++b) {
             double sum = 0;
             for (std::uint32_t i = 0; i < n; ++i) sum += numbers[a][i] * numbers[b][i];
-            // Five standard errors of the correlation of independent numbers.
+            // The limit is five standard errors of the correlation of independent numbers.
             EXPECT_LT(std::abs(12 * sum / n), 5 / std::sqrt(double(n))) << a << " " << b;
         }
 }

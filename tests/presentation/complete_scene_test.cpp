@@ -251,7 +251,7 @@ TEST_F(CompleteScene, RefusesScenesThatCantBe)
     bad.curves[0].motion[1].points = {{0, 0, 0}};
     EXPECT_EQ(check_error(bad), "s: curves[0].motion[1]: has 1 points, but the curves have 2");
 
-    // 2^40 spheres in 41 nodes, and as many nodes without shapes.
+    // The scene has 2^40 spheres in 41 nodes, and as many nodes without shapes.
     bad = scene;
     bad.nodes.resize(42);
     for (int i = 2; i < 42; ++i) bad.nodes[i].children = {i - 1, i - 1};

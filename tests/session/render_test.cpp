@@ -10,7 +10,7 @@
 namespace fathom {
 namespace {
 
-/// A scene of emissive surfaces in front of nothing or a sky: only quads, with spheres, or many.
+/// A scene of emissive surfaces in front of nothing or a sky. kind: only quads, with spheres, or with many surfaces.
 SceneDescription scene_of(int kind, float radiance)
 {
     SceneDescription d;

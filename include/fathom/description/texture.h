@@ -98,7 +98,7 @@ struct Texture {
     /// Function that the texture computes. It decides which of the members below apply.
     TextureKind kind = TextureKind::image;
 
-    // Kind image.
+    // Members of kind image.
     int image = -1;                                     ///< Index into SceneDescription::images.
     ColorSpace color_space = ColorSpace::srgb;          ///< Encoding of 8- and 16-bit images.
     Wrap wrap_u = Wrap::repeat, wrap_v = Wrap::repeat;  ///< Continuation of the image outside 0 to 1, along u and v.
@@ -116,7 +116,7 @@ struct Texture {
     /// Places the texture in world space: for kinds that use p, and for all mappings except uv. Must not be singular.
     Transform world_from_texture;
 
-    // Procedural kinds.
+    // Members of procedural kinds.
     float scale = 1;               ///< Frequency: all kinds whose formula has a scale.
     float turbulence_weight = 10;  ///< marble, veined_marble: strength of the distortion of the bands.
     int octaves = 7;               ///< turbulence, marble, fbm, wrinkled, veined_marble: number of octaves, 1 to 16.

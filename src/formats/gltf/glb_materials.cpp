@@ -341,7 +341,7 @@ Material principled_from_disney(Material m)
         m.roughness.value = float(std::sqrt(square * aspect));
         m.microfacets.two_roughnesses = true;
     }
-    // Disney's clearcoat: a quarter of a boundary of index 1.5, with alpha from 0.1 to 0.001.
+    // Disney's clearcoat is a quarter of a boundary of index 1.5, with alpha from 0.1 to 0.001.
     m.coat.weight.value *= 0.25f;
     m.coat.roughness = {std::sqrt(0.1f + m.disney.coat_gloss.value * (0.001f - 0.1f)), -1, green};
     const float sheen = m.disney.sheen.value;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Emitters without a surface.
+// Reading of emitters that have no surface.
 #include <fmt/format.h>
 
 #include <algorithm>

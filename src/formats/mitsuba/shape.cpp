@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Meshes, groups and instances.
+// Reading of meshes, groups and instances.
 #include <fmt/format.h>
 
 #include <algorithm>

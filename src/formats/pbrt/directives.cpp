@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Directives of the scene language and their effect on the graphics state.
+// Reading of the directives of the scene language, and their effect on the graphics state.
 #include <fmt/format.h>
 
 #include <algorithm>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Lights without a surface.
+// Reading of lights without a surface.
 #include <fmt/format.h>
 
 #include <algorithm>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Conductors: reflectance from indices of refraction.
+// Conversion of conductors, whose reflectance follows from indices of refraction.
 #include <fmt/format.h>
 
 #include <algorithm>

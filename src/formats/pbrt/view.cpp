@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Camera, film, filter, sampler and integrator.
+// Reading of camera, film, filter, sampler and integrator.
 #include <fmt/format.h>
 
 #include <algorithm>

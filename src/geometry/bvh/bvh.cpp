@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Public interface of the BVH: plain arrays in, plain arrays out.
+/// Implementation of the BVH's public interface, which takes and returns plain arrays.
 #include "geometry/bvh/bvh.h"
 
 #include <algorithm>

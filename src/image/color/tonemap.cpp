@@ -16,8 +16,8 @@ namespace fathom {
 
 namespace {
 
-/// Nearest 8-bit sRGB code of linear light without evaluating a power, exact as the formula; viewers convert every
-/// frame.
+/// Finds the nearest 8-bit sRGB code of linear light without evaluating a power, exactly as by the formula; viewers
+/// convert every frame.
 ///
 /// The upper bits of the float select a bucket; within a bucket at most one threshold to the next code lies.
 class SrgbTable {

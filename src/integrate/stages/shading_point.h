@@ -23,8 +23,8 @@ struct ShadingPoint {
     MediumStack media, media_beyond;
     MediumStack media_below;  ///< media after entering the subsurface
     Mask skips_interface;     ///< null interface: the path passes undeflected, see SolidBoundary
-    /// Hair: whether the fiber is a flat ribbon, its radius, and the offset of the hit from its axis in units of the
-    /// radius.
+    /// For hair: whether the fiber is a flat ribbon, its radius, and the offset of the hit from its axis in units of
+    /// the radius.
     Mask is_ribbon;
     Float radius, across;
 

@@ -420,7 +420,7 @@ private:
         sun.kind = LightKind::directional;
         sun.intensity = {irradiance.r * e.color.r, irradiance.g * e.color.g, irradiance.b * e.color.b};
         sun.angle = Sky::sun_angle;
-        // Rows of the node's frame: its z axis points at the sun.
+        // These are the rows of the node's frame, whose z axis points at the sun.
         const Vec3d z = normalize(e.world_from_environment.vector(e.to_sun));
         const Vec3d x = normalize(cross(std::abs(z.y) < 0.9 ? Vec3d{0, 1, 0} : Vec3d{1, 0, 0}, z)), y = cross(z, x);
         Transform render_from_node;

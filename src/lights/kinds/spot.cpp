@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Lights that shine from a point: point lights, spots, and lights with an image.
+/// Compilation of lights that shine from a point: point lights, spots, and lights with an image.
 #include <algorithm>
 #include <numbers>
 

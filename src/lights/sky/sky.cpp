@@ -235,7 +235,7 @@ Sky::Sky(const Vec3d& to_sun) : to_sun_(normalize(to_sun))
         table_[std::size_t(place)] = depths_to_space(table_height(height), table_cosine(cosine));
     });
     make_multiple();
-    // Irradiance of the ground by direct sunlight, plus the sky integrated over the upper hemisphere.
+    // Irradiance of the ground is that by direct sunlight, plus the sky integrated over the upper hemisphere.
     const Color sun = sun_irradiance(to_sun_);
     const double facing = std::max(0.0, to_sun_.y);
     Vec3d sum = Vec3d{double(sun.r), double(sun.g), double(sun.b)} * facing;
@@ -352,8 +352,8 @@ Color Sky::scattered(const Vec3d& d, Scattering times) const
 {
     const double cosine = dot(d, to_sun_), g = haze_anisotropy;
     const double of_molecules = 3 / (16 * std::numbers::pi) * (1 + cosine * cosine);
-    // W. Cornette, J. Shanks 1992, "Physically Reasonable Analytic Expression for the Single-Scattering Phase
-    // Function".
+    // The phase function is that of W. Cornette, J. Shanks 1992, "Physically Reasonable Analytic Expression for the
+    // Single-Scattering Phase Function".
     const double of_haze = 3 / (8 * std::numbers::pi) * (1 - g * g) * (1 + cosine * cosine) /
                            ((2 + g * g) * std::pow(1 + g * g - 2 * g * cosine, 1.5));
     const double sun_elevation = std::asin(std::clamp(to_sun_.y, -1.0, 1.0));

@@ -5,7 +5,7 @@
 namespace fathom::test {
 namespace {
 
-/// Material extensions that add layers.
+/// Tests of glTF material extensions that add layers.
 class GltfLayers : public ImportTest {
 protected:
     /// Material of a file that has texture 0 (my.png); json: members of the material.

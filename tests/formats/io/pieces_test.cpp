@@ -35,7 +35,7 @@ private:
     std::uint64_t state_ = 1;
 };
 
-/// A triangle by its corners: position, texture coordinates, normal.
+/// A corner of a triangle: position, texture coordinates, normal.
 using Corner = std::array<float, 8>;
 using Triangles = std::vector<std::array<Corner, 3>>;
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Mitsuba files: the language, cameras, films and integrators.
+// Tests of Mitsuba files: the language, cameras, films and integrators.
 #include <fmt/format.h>
 #include <array>
 #include <cmath>
@@ -178,7 +178,7 @@ TEST_F(Mitsuba, FieldsOfView)
     EXPECT_NEAR(fov(""), of_50_mm, 1e-9) << "the default";
 }
 
-/// Pixel coordinates to camera coordinates divided by the depth along the view axis.
+/// Projects pixel coordinates to camera coordinates divided by the depth along the view axis.
 std::array<double, 2> image_point(const SceneDescription& scene, const Camera& c, double x, double y)
 {
     const double width = *scene.hints.width, height = *scene.hints.height,

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Files of Mitsuba 0.5 and 0.6.
+// Tests of files of Mitsuba 0.5 and 0.6.
 #include <cmath>
 
 #include "mitsuba_fixture.h"

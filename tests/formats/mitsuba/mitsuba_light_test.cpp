@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Emitters of Mitsuba files.
+// Tests of emitters in Mitsuba files.
 #include <fmt/format.h>
 #include <cmath>
 

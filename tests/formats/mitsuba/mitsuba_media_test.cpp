@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Media of Mitsuba files: inside shapes and around them.
+/// Tests of media in Mitsuba files: inside shapes and around them.
 #include <cmath>
 
 #include <fmt/format.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Mitsuba opacity masks, blends, emission with opacity, two-sided BSDFs, and textures for numbers.
+// Tests of Mitsuba's opacity masks, blends, emission with opacity, two-sided BSDFs, and textures for numbers.
 #include <fmt/format.h>
 
 #include "mitsuba_fixture.h"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Shapes of Mitsuba files.
+// Tests of shapes in Mitsuba files.
 #include <fmt/format.h>
 #include <zlib.h>
 #include <array>
@@ -58,7 +58,7 @@ TEST_F(Mitsuba, ModelsTurnPicturesAsMitsubaDoes)
 /// Meshes without normals are smooth unless face_normals is set.
 TEST_F(Mitsuba, NormalsOfMeshes)
 {
-    // A roof of two triangles with slopes 1 and 0 that share an edge along y.
+    // The mesh is a roof of two triangles with slopes 1 and 0 that share an edge along y.
     write("a.obj", "v 0 0 0\nv 0 1 0\nv -1 0 1\nv 1 0 0\nf 1 2 3\nf 1 4 2\n");
     const auto mesh = [&](const std::string& said) {
         return read(R"(<shape type="obj"><string name="filename" value="a.obj"/>)" + said + "</shape>").meshes.at(0);
@@ -132,10 +132,10 @@ TEST_F(Mitsuba, FrontsOfMirroredShapes)
     EXPECT_EQ(radius(mirrored + flipped), 1);
 }
 
-/// Vertex and face attributes by name, as numbers and as colors.
+/// Attributes of vertices and faces are found by name, as numbers and as colors.
 TEST_F(Mitsuba, AttributesOfMeshes)
 {
-    // Two triangles that share an edge.
+    // The file has two triangles that share an edge.
     write("a.ply",
           "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\nproperty "
           "float heat_x\nproperty float color_0\nproperty float color_1\nproperty float color_2\nelement face 2\n"
@@ -200,7 +200,7 @@ TEST_F(Mitsuba, Cylinders)
     EXPECT_GT(t.determinant(), 0);
 }
 
-/// Positions of u = 0 and u = 1/4 in Mitsuba 3.9.1 for axes in all directions.
+/// The points with u = 0 and u = 1/4 are those of Mitsuba 3.9.1, for axes in all directions.
 TEST_F(Mitsuba, CylindersBeginWhereMitsubasDo)
 {
     const struct {

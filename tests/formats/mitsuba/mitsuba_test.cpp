@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// BSDFs, media and textures of Mitsuba files, and complete third-party scenes.
+// Tests of BSDFs, media and textures in Mitsuba files, and of complete third-party scenes.
 #include <fmt/format.h>
 #include <cmath>
 
@@ -41,7 +41,8 @@ TEST_F(Mitsuba, TexturesAsTwoAlphas)
     EXPECT_TRUE(has_warning("anisotropic roughness of glass"));
 }
 
-/// Internal diffuse reflectance, derived from Mitsuba 3.9.1's images of roughplastic with two diffuse colors.
+/// The internal diffuse reflectance agrees with values derived from Mitsuba 3.9.1's images of roughplastic with two
+/// diffuse colors.
 TEST_F(Mitsuba, InnerReflectanceOfRoughPlastic)
 {
     const struct {

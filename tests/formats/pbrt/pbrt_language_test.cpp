@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// pbrt files: the language, cameras, films and integrators.
+// Tests of pbrt files: the language, cameras, films and integrators.
 #include <fmt/format.h>
 #include <zlib.h>
 #include <cmath>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Lights of pbrt files.
+// Tests of lights in pbrt files.
 #include <fmt/format.h>
 #include <cmath>
 

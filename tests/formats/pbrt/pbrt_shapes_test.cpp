@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Textures and shapes of pbrt files.
+// Tests of textures and shapes in pbrt files.
 #include <fmt/format.h>
 #include <cmath>
 

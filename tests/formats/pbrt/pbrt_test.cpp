@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Materials of pbrt files.
+// Tests of materials in pbrt files.
 #include <fmt/format.h>
 #include <cmath>
 

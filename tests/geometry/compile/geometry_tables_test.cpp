@@ -240,7 +240,8 @@ TEST(GeometryTable, TrianglesThatShowTheirUvAreNotJoined)
         for (const bool mixed : {false, true}) EXPECT_EQ(quads(change, mixed), 0u);
 }
 
-/// Bezier control points of each basis, shared between neighboring segments, and each segment's place along the curve.
+/// The Bezier control points of each basis are shared between neighboring segments, and each segment knows its place
+/// along the curve.
 TEST(GeometryTable, CurvesBecomeBezierSegments)
 {
     for (const CurveBasis basis :

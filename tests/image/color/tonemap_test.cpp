@@ -126,7 +126,7 @@ Rgb hill(const Rgb& radiance)
     return shown;
 }
 
-/// AgX computed from its sources: primaries of Rec.709 and Rec.2020, and the inverse of the outset matrix of Blender's
+/// AgX, computed from its sources: primaries of Rec.709 and Rec.2020, and the inverse of the outset matrix of Blender's
 /// configuration.
 Rgb sobotka(const Rgb& radiance)
 {

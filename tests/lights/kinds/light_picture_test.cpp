@@ -95,7 +95,7 @@ TEST(LightImage, EqualAreaEdgesMeet)
     }
 }
 
-/// A window of 2 x 2 texels: values between texels, at the edges, and outside.
+/// A window of 2 x 2 texels has the expected values between texels, at the edges, and outside.
 TEST(LightImage, PlaneIsAWindow)
 {
     LightTables tables = tables_of(LightPictureMap::plane, 2, 2, {1, 2, 3, 4});

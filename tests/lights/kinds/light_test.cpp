@@ -250,7 +250,7 @@ TEST(Sphere, IsSampledUniformlyInTheConeThatItFills)
         const LightRecord table = sphere_light(c.center, c.radius);
         const double d = length(c.center), sin2 = c.radius * c.radius / (d * d);
         const bool outside = sin2 < 1;
-        // 1 - cos of the cone, or 2 for all directions.
+        // The spread is 1 - cos of the cone, or 2 for all directions.
         const double spread = outside ? sin2 / (1 + std::sqrt(1 - sin2)) : 2;
         const Vec3d n = normalize(c.center);
         Vec3d s, t;

@@ -151,8 +151,7 @@ struct Lamps {
     LightTables tables;
     double room;
 
-    /// Lights with position, `placed` in number, in a room of the given extent around the origin, and some directional
-    /// lights.
+    /// `placed` lights with a position, in a room of the given extent around the origin, and some directional lights.
     Lamps(unsigned seed, std::uint32_t placed, double size, std::uint32_t directions = 0, double extent = 10)
         : room(extent)
     {

@@ -47,7 +47,7 @@ double transmittance(double z, double alpha, bool is_beckmann, double ior)
     const double sine = std::sqrt(1 - z * z);
     double sum = 0;
     for (int i = 0; i < slopes; ++i) {
-        // Stratified by projected area, with finer strata for steep slopes.
+        // Slopes are stratified by projected area, with finer strata for steep slopes.
         const double w = (i + 0.5) / slopes, area = 2 * w / slopes;
         const double slope = alpha * std::sqrt(is_beckmann ? -2 * std::log(w) : 1 / (w * w) - 1);
         const double nz = 1 / std::sqrt(1 + slope * slope);
