@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 # Precompiled headers: most files took longer to parse common headers than to compile their own code. Every file still
-# includes what it uses;
-# a build with FATHOM_PRECOMPILE=OFF (the preset `clang`) shows missing includes.
+# includes what it uses; a build with FATHOM_PRECOMPILE=OFF (the preset `clang`) shows missing includes.
 # GCC rejects a precompiled header if a file defines another macro, so only Clang uses them by default.
 set(precompile OFF)
 if(CMAKE_CXX_COMPILER_ID MATCHES "Clang")
@@ -37,11 +36,9 @@ function(fathom_precompile target)
 endfunction()
 
 # fathom_unity(TARGET): compiles the target's files ten at a time, so that templates of JSON, formatting and command
-# line
-# libraries are instantiated once for all of them. Names in unnamed namespaces must therefore be unique within a target.
-# FATHOM_UNITY=OFF compiles each file by itself, which is quicker after a change of one file. A local may have the name
-# of
-# something in another file, so only builds of single files warn of shadowing.
+# line libraries are instantiated once for all of them. Names in unnamed namespaces must therefore be unique within a
+# target. FATHOM_UNITY=OFF compiles each file by itself, which is quicker after a change of one file. A local may have
+# the name of something in another file, so only builds of single files warn of shadowing.
 option(FATHOM_UNITY "Compile several files of a target as one" ON)
 function(fathom_unity target)
   set_target_properties(${target} PROPERTIES UNITY_BUILD ${FATHOM_UNITY} UNITY_BUILD_BATCH_SIZE 10

@@ -1,9 +1,8 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
 # Makes the root folder of a container image: an installed build, its shared libraries, a shell for recipes that need
-# one,
-# and an unprivileged user. The libraries and the shell are copied from this machine.
-# farm/container/root.sh BUILD_FOLDER ROOT
+# one, and an unprivileged user. The libraries and the shell are copied from this machine.
+#   farm/container/root.sh BUILD_FOLDER ROOT
 set -euo pipefail
 if [ $# -ne 2 ]; then
     sed -n '1d; /^# SPDX/d; /^#/!q; s/^# \{0,1\}//p' "$0" >&2
@@ -19,8 +18,7 @@ rm -rf "$root"/usr/local/lib/libfathom_{view,assimp,mpi}.so "$root"/usr/local/li
 rm -rf "$root/usr/local/include" "$root"/usr/local/lib/*/cmake "$root"/usr/local/lib/cmake
 
 # Prints the shared libraries that the given programs and modules need, directly or indirectly, and the dynamic loader.
-# AVIF's library is opened
-# only when it is needed, so no ELF header lists it.
+# AVIF's library is opened only when it is needed, so no ELF header lists it.
 libraries_of() {
     { ldd "$@" 2>/dev/null || true; } | sed -n 's/.*=> \(\/[^ ]*\) .*/\1/p; s/^[[:space:]]*\(\/[^ ]*\) (.*/\1/p'
 }

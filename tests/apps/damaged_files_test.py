@@ -1,8 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
 """Tests damaged files of every kind, truncated or with changed bytes: each gives an image, or no image and one line
-that names the
-file.
+that names the file.
 
 damaged_files_test.py PROGRAM SCENES [TIMES [SEED]]    TIMES: number of truncations, and of changes, of each file
 (default 50)

@@ -6,8 +6,7 @@ image of one run.
     farm_test.py FATHOM PICTURE_HASH BUILD_FOLDER
 
 Python packages are searched for in BUILD_FOLDER/../farm, where scripts/test-farm.sh installs them, and in this Python.
-Tests of
-missing packages are skipped, with a line for each.
+Tests of missing packages are skipped, with a line for each.
 """
 import os
 import re

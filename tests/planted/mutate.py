@@ -19,8 +19,7 @@ import time
 from planted import PLACE, ROOT, Workshop, copy_tree
 
 # Modules by path prefix, of which the first match counts: targets to build, and the gtest programs or command line
-# tests that
-# should detect a change.
+# tests that should detect a change.
 PARTS = [
     ("src/base/", ["base_tests", "formats_tests"]),
     ("src/scene/", ["scene_tests", "formats_tests"]),

@@ -226,8 +226,7 @@ class Picture(CommandLine):
         for date in ("2003-10-17T12:30:30-07:00", "2003-10-17T19:30:30Z", "2003-10-18T01:00:30+05:30"):
             near(towards("39.742476,-105.1786", date), expected(39.872046, 194.340241))
         # By J. Meeus: Astronomical Algorithms, 1998, example 25.a, the sun is above 7.785 S, 176.580 E at this time:
-        # its right ascension
-        # is 198.380, and the sidereal time of Greenwich 21.801 (equation 12.4).
+        # its right ascension is 198.380, and the sidereal time of Greenwich 21.801 (equation 12.4).
         near(towards("-7.785,176.580", "1992-10-13T00:00Z"), [0, 1, 0])
         # At noon of the summer solstice the sun is 23.44 degrees higher than at an equinox, and in the south; in Sydney
         # it is in the north.

@@ -9,8 +9,7 @@ import subprocess
 from harness import PROGRAM, CommandLine, run_tests
 
 # A value for each option of `fathom submit` that affects the image, by the command that gets it: the tasks that render
-# parts,
-# or the job that merges them. None: an option without a value.
+# parts, or the job that merges them. None: an option without a value.
 OF_TASKS = {
     "--scene": "s", "--variant": "v", "--up-axis": "y", "--define": "a=b", "--confine": None, "--memory": "2G", "--nice": "3",
     "--animation": "all", "--at": "1", "--size": "40x30", "--camera": "side", "--look-from": "1,2,3", "--look-at": "4,5,6",

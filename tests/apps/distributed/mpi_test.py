@@ -93,9 +93,8 @@ class Ranks(unittest.TestCase):
 
     def time_to_keep(self):
         """Returns the setting of the time that mpirun waits before it ends ranks, and then before it kills them. It
-        always waits for all of it,
-        so the time is not simply long, but several times what a short run of as many ranks takes under the current
-        load."""
+        always waits for all of it, so the time is not simply long, but several times what a short run of as many ranks
+        takes under the current load."""
         begin = time.monotonic()
         self.ranks(3, *SIZE, "--spp", "6", "--mergeable", "-q", "-o", os.path.join(self.common, "few.exr"))
         return {"OMPI_MCA_odls_base_sigkill_timeout": str(math.ceil(1 + 4 * (time.monotonic() - begin)))}

@@ -2,8 +2,8 @@
 """A real Slurm on this machine, with several nodes of one processor each: sbatch, arrays, requeue, lost nodes.
 
 All its files are in a folder of its own; it needs no root, no systemd and no host name. Intervals are short, so that
-tests need not
-wait for minutes. Time limits for daemons and tasks are long, because a busy machine must behave like an idle one.
+tests need not wait for minutes. Time limits for daemons and tasks are long, because a busy machine must behave like an
+idle one.
 """
 import getpass
 import os
@@ -165,8 +165,7 @@ class Slurm:
 
     def wait_until_saved(self, job):
         """Waits until the controller has saved the state of all jobs, because a killed one forgets later changes. A
-        comment on a waiting job
-        shows what was saved."""
+        comment on a waiting job shows what was saved."""
         mark = f"saved-{time.time_ns()}"
         self.run("scontrol", "update", f"JobId={job}", f"Comment={mark}")
 

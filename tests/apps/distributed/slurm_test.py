@@ -96,8 +96,7 @@ class Parts(unittest.TestCase):
 
     def hold(self, count, known=()):
         """Waits until `count` parts that are not in `known` run at the same time, and returns their processes. They are
-        stopped, so that none ends
-        while others are waited for, and have not saved any samples yet."""
+        stopped, so that none ends while others are waited for, and have not saved any samples yet."""
         held = {}
 
         def are_held():
