@@ -138,8 +138,9 @@ void add_options(Command& command, MergeOptions& o)
     command.add_flag({"--skip-overlaps", "", "skip parts with samples that an earlier part has, and report them",
                       "overlaps are an error"},
                      o.skip_overlaps);
-    command.add_flag({"--no-sums", "", "leave the sums out of EXR: the file is smaller, but can't be merged again", ""},
-                     o.no_sums);
+    command.add_flag(
+        {"--no-sums", "", "write EXR without the exact sums: the file is smaller, but can't be merged again", ""},
+        o.no_sums);
     add_quiet_option(command, o.quiet);
 }
 
