@@ -137,7 +137,7 @@ const Vec3d floor_point{0.2, 0, 0.1};
 const Rectangle panel{{-0.4, 0.9, -0.3}, {0.8, 0.1, 0}, {0, 0.2, 0.7}};
 const std::vector<Vec3d> sail{{-0.4, 0.8, -0.3}, {0.5, 0.9, -0.2}, {0.1, 1.1, 0.5}};
 
-/// A kind of shape, as a node's geometry and as cells.
+/// A kind of shape: the shape of a node, and the same surface as cells for the reference integral.
 struct ShapeCase {
     const char* name;
     Shape shape;
