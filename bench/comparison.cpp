@@ -36,7 +36,7 @@ Bvh build(const GeometryTables& tables, const Options& options)
 std::unique_ptr<EmbreeCaster> build_embree(const GeometryTables& tables, const Options& options)
 {
     if (!options.with_embree) return nullptr;
-    const char* const isa = std::string(lanes_name) == "AVX2" ? "avx2" : "";  // that of this build
+    const char* const isa = std::string(lanes_name) == "AVX2" ? "avx2" : "";  // SIMD level of this build
     return std::make_unique<EmbreeCaster>(tables, isa, options.threads, options.robust);
 }
 

@@ -2,7 +2,7 @@
 /// Cost of displacement: a square displaced by an image of a given number of texels per side, beside a mesh of equal
 /// triangles. The program for "Displacement" in docs/measurements/scene-changes.md.
 ///
-///     displacement [texels] [displaced | mesh]
+/// usage: displacement [texels] [displaced | mesh]
 #include <sys/resource.h>
 
 #include <algorithm>
@@ -35,7 +35,7 @@ Image heights(int texels)
     return image;
 }
 
-/// A mesh with as many triangles and the vertex data of a displaced square.
+/// A mesh with the number of triangles and the vertex data of a displaced square.
 Mesh grid(int parts)
 {
     Mesh mesh;

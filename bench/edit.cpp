@@ -2,7 +2,7 @@
 /// Cost of an edit in a scene of many objects, beside full compilation: the program for "Scene edits" in
 /// docs/measurements/scene-changes.md.
 ///
-///     edit [objects] [triangles of each]
+/// usage: edit [objects] [triangles of each]
 #include <algorithm>
 #include <chrono>
 #include <cmath>

@@ -32,7 +32,7 @@ EmbreeCaster::EmbreeCaster(const GeometryTables& tables, const std::string& isa,
     rtcCommitScene(mesh);
     if (mesh != scene_) {
         for (const InstanceRecord& instance : tables.instances) add_instance(mesh, tables, instance);
-        rtcReleaseScene(mesh);  // instances hold a reference
+        rtcReleaseScene(mesh);  // each instance holds a reference to it
         rtcCommitScene(scene_);
     }
     build_s_ = now(threads) - start;

@@ -67,7 +67,7 @@ def write_scene(path, kind, count, textured):
 
     def wall(corner, u, v):
         return {"material": "m0", "rectangle": {"corner": corner, "edge_u": u, "edge_v": v}}
-    # In an order unrelated to position.
+    # The order is unrelated to position.
     order = list(range(BALLS))
     random.Random(5).shuffle(order)
     path.write_text(json.dumps({

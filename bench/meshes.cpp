@@ -140,7 +140,7 @@ void make_boulder(Mesh& mesh, std::size_t triangles)
 
 void make_foliage(Mesh& mesh, std::size_t triangles)
 {
-    // Bunches of blades, each a strip of three slivers.
+    // The mesh has bunches of blades, each a strip of three slivers.
     GeometryTables& t = mesh.tables;
     std::uint64_t state = 99;
     const auto uniform = [&state](double low, double high) {

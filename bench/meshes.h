@@ -12,7 +12,7 @@ struct View {
     Vec3d position, look_at, up{0, 1, 0};
     double x_fov_deg = 60;
 };
-/// A triangle mesh in geometry tables, with a view of it.
+/// A triangle mesh in geometry tables, and the camera view from which it is measured.
 struct Mesh {
     std::string name;
     GeometryTables tables;

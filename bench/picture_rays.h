@@ -40,7 +40,7 @@ struct RayPoint {
 using HitPoints = std::function<std::vector<RayPoint>(const RaySet&)>;
 
 /// Ray sets primary, shadow, bounce-1, bounce-3, occlusion, in Morton order of the pixels; rays that hit nothing have
-/// no successors. Shadow rays go towards a square lamp above the camera, below whatever is above it; occlusion rays
+/// no successors. Shadow rays go towards a square lamp above the camera, below any geometry above it; occlusion rays
 /// reach a fiftieth of the scene's diagonal. With `parts` > 1 only one in `parts` runs of 1024 pixels is used.
 std::vector<RaySet> make_ray_sets(const RayView& view, double diagonal, const HitPoints& hit_points, std::size_t parts);
 

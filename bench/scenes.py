@@ -108,8 +108,8 @@ def main():
         rows.append(row(name, figures, cost_sheet(args, folder)))
         mean = lambda values: math.prod(values) ** (1 / len(values))
         foot = f"| geometric mean (least) | {mean(speeds):.2f} ({min(speeds)}) | {mean(efficiencies):.2f} ({min(efficiencies)}) | | | | | | |"
-        args.out.write_text("\n".join(head + rows + [foot]) + "\n", encoding="utf-8")  # keeps intermediate results if
-                                                                                       # the run is stopped
+        args.out.write_text("\n".join(head + rows + [foot]) + "\n", encoding="utf-8")  # keeps intermediate results if the run
+                                                                                       # is stopped
         print(rows[-1], flush=True)
     print(foot)
 

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-# Precompiled headers: most files took longer to parse the same headers than for their own code. Every file includes what it uses
-# all the same; a build with FATHOM_PRECOMPILE=OFF (the preset `clang`) shows what is missing.
-# GCC refuses a precompiled header when a file defines another macro, so only Clang uses them by default.
+# Precompiled headers: most files took longer to parse common headers than to compile their own code. Every file still
+# includes what it uses; a build with FATHOM_PRECOMPILE=OFF (the preset `clang`) shows missing includes.
+# GCC rejects a precompiled header if a file defines another macro, so only Clang uses them by default.
 set(precompile OFF)
 if(CMAKE_CXX_COMPILER_ID MATCHES "Clang")
   set(precompile ON)
@@ -23,7 +23,8 @@ function(fathom_reuse_precompiled target from)
   endif()
 endfunction()
 
-# fathom_precompile(TARGET [HEADER...]): the common headers of the standard library and of Fathom, and these.
+# fathom_precompile(TARGET [HEADER...]): precompiles the common headers of the standard library and of Fathom, and the
+# given ones.
 function(fathom_precompile target)
   if(NOT FATHOM_PRECOMPILE)
     return()
@@ -34,10 +35,10 @@ function(fathom_precompile target)
   fathom_ignore_precompile_time(${target})
 endfunction()
 
-# fathom_unity(TARGET): compiles the target's files ten at a time, so that templates of JSON, formatting and command line
-# libraries are instantiated once for all of them. Names in unnamed namespaces are therefore unique within a target.
-# FATHOM_UNITY=OFF compiles each file for itself, which is quicker after a change of one file. Locals may have the name of
-# something in another file: only builds of single files warn of shadowing.
+# fathom_unity(TARGET): compiles the target's files ten at a time, so that templates of JSON, formatting and command
+# line libraries are instantiated once for all of them. Names in unnamed namespaces must therefore be unique within a
+# target. FATHOM_UNITY=OFF compiles each file by itself, which is quicker after a change of one file. A local may have
+# the name of something in another file, so only builds of single files warn of shadowing.
 option(FATHOM_UNITY "Compile several files of a target as one" ON)
 function(fathom_unity target)
   set_target_properties(${target} PROPERTIES UNITY_BUILD ${FATHOM_UNITY} UNITY_BUILD_BATCH_SIZE 10

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-# Compiler flags of all targets of the project.
+# The compiler flags of all targets of the project.
 add_library(fathom_flags INTERFACE)
 target_compile_options(fathom_flags INTERFACE -Wall -Wextra -Wshadow -Wno-unused-parameter)
 # With one lane a mask is a bool: & and
@@ -36,8 +36,8 @@ if(FATHOM_FUZZ)
 endif()
 target_include_directories(fathom_flags INTERFACE ${PROJECT_SOURCE_DIR}/include ${PROJECT_SOURCE_DIR}/src)
 
-# Results are equal on all machines and at all SIMD widths: contraction to fused multiply-add only where the code says
-# fma, and no fast-math. errno and floating-point traps are not used.
+# Results are equal on all machines and at all SIMD widths: no fast-math, and multiplication and addition are fused only
+# where the code calls fma. errno and floating-point traps are not used.
 add_library(fathom_float INTERFACE)
 target_compile_options(fathom_float INTERFACE -ffp-contract=off -fno-math-errno -fno-trapping-math)
 

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-# fathom_module(TARGET SOURCES file... LINKS library...): a plugin that the program opens when it is needed, next to libfathom. It knows
-# the version, which must be the program's.
+# fathom_module(TARGET SOURCES file... LINKS library...): a plugin next to libfathom, which the program opens when
+# needed. Its version must equal the program's.
 function(fathom_module target)
   cmake_parse_arguments(MODULE "" "" "SOURCES;LINKS" ${ARGN})
   add_library(${target} MODULE ${MODULE_SOURCES})

@@ -16,8 +16,9 @@ WIDTH = 760
 LEFT, RIGHT = 172, 56  # room for names and for the numbers behind the longest bar
 BAR, GAP, GROUP_GAP = 15, 3, 13
 
-# Colors of a light page are attributes, those of a dark one a style sheet: programs without style sheets draw the first.
-# Blue and orange are told apart with each common kind of color blindness.
+# Colors of the light theme are attributes and those of the dark theme a style sheet, so programs without style sheets
+# draw the light one.
+# Blue and orange can be told apart with each common kind of color blindness.
 LIGHT = {"paper": "#ffffff", "ink": "#1f2328", "faint": "#59636e", "line": "#d1d9e0", "s0": "#0969da", "s1": "#bc4c00", "s2": "#6e7781"}
 DARK = {"paper": "#0d1117", "ink": "#f0f6fc", "faint": "#9198a1", "line": "#3d444d", "s0": "#4493f8", "s1": "#db6d28", "s2": "#8b949e"}
 
@@ -51,7 +52,7 @@ class Svg:
 
 
 def bars(title, subtitle, series, groups, ticks, unit="×", logarithmic=False):
-    """Horizontal bars: a group for each (name, values), a bar for each series; None leaves a bar out.
+    """Draws horizontal bars: a group for each (name, values), a bar for each series; None leaves a bar out.
 
     A logarithmic axis begins at 1, so the length of a bar is the logarithm of a ratio.
     """
@@ -97,7 +98,7 @@ class Results:
         return next(run for run in runs if run["id"] == run_id)
 
     def column(self, name, run_id, key, column):
-        """By the row's `key`, its `column`; rows without it are left out."""
+        """Returns the values of `column` by the value of `key` in each row; rows without the column are left out."""
         return {row[key]: row[column] for row in self.run(name, run_id)["rows"] if column in row}
 
 
@@ -159,7 +160,7 @@ def samplers(results):
 
 
 def graphs(root):
-    """The text of each file, by its name."""
+    """Returns the text of each file, by its name."""
     results = Results(root)
     return {
         "scenes-speed.svg": scenes(results, "speed_times_mitsuba", "Samples per second, relative to Mitsuba 3.9.1", [0, 1, 2, 3, 4, 5], False),

@@ -58,10 +58,11 @@ has_no_tag() { ! git rev-parse --quiet --verify "refs/tags/$tag" >/dev/null; }
 cmake_version() { sed -n 's/^project(fathom VERSION \([0-9.]*\).*/\1/p' CMakeLists.txt; }
 is_version_of_cmake() { [ "$(cmake_version)" = "$version" ]; }
 
-# The heading of this version; the date is that of the release, which this script writes in place of "unreleased".
+# The heading of this version; this script replaces "unreleased" by the date of the release.
 heading="## [$version] - unreleased"
 has_heading() { [ "$(grep -cFx "$heading" CHANGELOG.md)" = 1 ]; }
-# What the changelog says of this version: the lines up to the next heading of a version, without blank ones at both ends.
+# Prints the changelog's section of this version: the lines up to the next version's heading, without blank lines at
+# both ends.
 section() {
     awk -v heading="$heading" '
         /^## / { inside = $0 == heading; next }
@@ -70,9 +71,9 @@ section() {
         END { sub(/\n+$/, "", text); print text }' CHANGELOG.md
 }
 has_text() { [ -n "$(section)" ]; }
-# What will come after this version has to be under its own heading, above.
+# Changes after this version need a heading of their own, above it.
 has_unreleased() { [ "$(grep -n '^## ' CHANGELOG.md | head -n 1 | cut -d : -f 2)" = '## [Unreleased]' ]; }
-# Changes that stand under "Unreleased" would be in the release, but in no version of the changelog.
+# Changes under "Unreleased" would be in the release, but in no version of the changelog.
 has_nothing_unreleased() {
     [ -z "$(awk '/^## / { inside = $0 == "## [Unreleased]"; next } inside && NF' CHANGELOG.md)" ]
 }
@@ -91,7 +92,7 @@ dated_changelog() {
 }
 
 is_version_of_program() { [ "$(build/release/bin/fathom --version)" = "fathom $version" ]; }
-# docs/cli.md must name each option that --help prints. (That it is exactly what is generated is for the tests.)
+# docs/cli.md must name each option that --help prints. (A test checks that the file is exactly the generated one.)
 has_documented_options() {
     local command missing=''
     [ -f docs/cli.md ] || {
@@ -149,12 +150,12 @@ check "docs/cli.md names every option of --help" has_documented_options
 check "tests and build left no uncommitted changes" is_clean
 stop_on_failures
 
-# The section is found by its heading, which the date is going to change.
+# The message is made now, while the section still has the heading by which it is found.
 tag_message=$(message)
 changelog=$(dated_changelog)
 printf '%s\n' "$changelog" >CHANGELOG.md
 commit_message | git commit --quiet --file=- -- CHANGELOG.md
-# Verbatim: git would take headings for comments.
+# Cleanup is verbatim because git would remove headings as comments.
 git tag --annotate --cleanup=verbatim --file=- "$tag" <<<"$tag_message"
 echo "committed and tagged $tag; to publish it:"
 echo "    git push origin main $tag"

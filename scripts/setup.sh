@@ -64,7 +64,7 @@ apt_has() {
 missing_of() {
     local package
     for package in "$@"; do
-        # apt's package lists have neither: they have not been fetched yet.
+        # Neither package is in apt's lists, so the lists have not been fetched yet.
         if [[ $package = clang-*19 ]] && ! is_installed "$package" && ! apt_has "$package" && apt_has g++; then
             if [ "$package" = clang-19 ]; then package=g++; else continue; fi
         fi
@@ -89,7 +89,7 @@ install_missing() {
     check_that_packages_can_be_installed "${missing[@]}"
     say "updating apt's lists of packages"
     apt_get update || say "apt-get update failed; trying with the package lists that are there"
-    mapfile -t missing < <(missing_of "$@")  # apt may know clang-19 now
+    mapfile -t missing < <(missing_of "$@")  # apt may know clang-19 after its update
     say "installing with apt-get, and what they need: ${missing[*]}"
     apt_get install --yes --no-install-recommends "${missing[@]}" ||
         fail "apt-get could not install the packages above. Is the machine online?" \
@@ -148,7 +148,7 @@ free_memory() {
     echo "$free"
 }
 
-# One compiler per core, limited to one per 1.5 GB of memory.
+# Prints the number of compilers that run at once: one per core, limited to one per 1.5 GB of memory.
 build_jobs() {
     local cores by_memory
     cores=$(nproc 2>/dev/null || echo 1)

@@ -7,9 +7,9 @@ usage: scripts/spdx.py [--check] [--fix] [FOLDER]
 --fix    adds the line to them; running it again changes nothing
 FOLDER   the root of the repository (default: the one that holds this script)
 
-Only files that git tracks are read. A shebang and a coding line stay in front of the license line. A file that names any
-license itself keeps it. Tables that a program of tools/ writes are left out: they say so, and the program would drop the line.
-Exit status 77 where FOLDER is not a git repository, or git is not installed."""
+Only files that git tracks are read. A shebang and a coding line stay in front of the license line. A file that names
+another license keeps it. Tables that a program of tools/ generates are left out, since the program would drop the
+line; each names its generator. Exit status 77 if FOLDER is not a git repository, or git is not installed."""
 import argparse
 import re
 import subprocess
@@ -18,7 +18,7 @@ from pathlib import Path
 
 IDENTIFIER = "SPDX-License-Identifier: Apache-2.0"
 COMMENTS = {".h": "//", ".c": "//", ".cpp": "//", ".py": "#", ".sh": "#", ".cmake": "#"}
-# Folders of data: their files are input of tests, whatever their names end in.
+# Folders of test data: their files are not source files, whatever their extensions.
 DATA = ("tests/golden/scenes/", "tests/planted/rules/", "scenes/")
 TAG = re.compile(r"SPDX-License-Identifier:\s*\S")
 CODING = re.compile(r"#.*coding[:=]\s*[-\w.]+")
@@ -27,7 +27,7 @@ HEAD_LINES = 20
 
 
 def tracked_files(root):
-    """Relative names of all files that git tracks; None where there is no repository."""
+    """Returns the relative names of all files that git tracks, or None outside a repository."""
     try:
         listed = subprocess.run(["git", "-C", str(root), "ls-files", "-z"], capture_output=True)
     except FileNotFoundError:
@@ -39,7 +39,7 @@ def tracked_files(root):
 
 
 def comment_of(name, lines):
-    """How a comment begins in this file; None if it is not a source file."""
+    """Returns the prefix of comments in this file, or None if it is not a source file."""
     path = Path(name)
     if path.suffix != ".py" and name.startswith(DATA):
         return None
@@ -47,7 +47,7 @@ def comment_of(name, lines):
         return "#"
     if path.suffix in COMMENTS:
         return COMMENTS[path.suffix]
-    # Scripts without an extension.
+    # A script without an extension has a shebang.
     if not path.suffix and lines and re.match(r"#!.*\b(bash|sh|python3?)\b", lines[0]):
         return "#"
     return None
@@ -59,7 +59,7 @@ def needs_line(lines):
 
 
 def with_line(lines, comment):
-    """The lines of a file with the license line in front, behind a shebang and a coding line."""
+    """Returns the lines of a file with the license line in front, behind a shebang and a coding line."""
     end = "\r\n" if lines and lines[0].endswith("\r\n") else "\n"
     at = 0
     if lines and lines[0].startswith("#!"):
@@ -78,7 +78,7 @@ def lines_of(path):
 
 
 def without_line(root, names):
-    """(path, lines, comment) of the source files that lack the license line."""
+    """Returns (path, lines, comment prefix) of each source file that lacks the license line."""
     for name in names:
         path = root / name
         if path.is_symlink() or not path.is_file():

@@ -1,9 +1,8 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
 # Runs clang-tidy over all sources with the checks of .clang-tidy; any finding is a failure.
-#   scripts/tidy.sh [FOLDER [NAME]]    FOLDER: a build with compile_commands.json (default build/clang); NAME: only
-#   files
-#                                      with that in their path
+#   scripts/tidy.sh [FOLDER [NAME]]    FOLDER: a build with compile_commands.json (default build/clang)
+#                                      NAME: only files with that in their path
 # Lane code is checked once, with the base instruction set.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
@@ -25,7 +24,7 @@ ours() {
         ours'
 }
 
-# The first compile command of each project file, in a compilation database of its own.
+# Makes a compilation database of the first compile command of each project file.
 base=$(mktemp -d)
 trap 'rm -r "$base"' EXIT
 python3 - "$folder" "$base" "$PWD" "$name" >"$base/files" <<'PYTHON'

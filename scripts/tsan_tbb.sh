@@ -9,7 +9,7 @@ here=$PWD prefix=$PWD/build/tsan-tbb work=$PWD/build/tsan-tbb/work
 [ -f "$prefix/lib/cmake/TBB/TBBConfig.cmake" ] && exit
 mkdir -p "$work/lists/partial" "$work/sources.d"
 
-# The machine's own package sources, with source packages enabled.
+# A copy of the machine's package sources, with source packages enabled.
 : >"$work/sources.list"
 for list in /etc/apt/sources.list /etc/apt/sources.list.d/*; do
     case $list in

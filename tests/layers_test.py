@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Checks every include of src/ against the table of docs/architecture.md: which folder may include which.
+"""Checks every include of src/ against the table of docs/architecture.md, which says which folder may include which.
 
 A folder of src/ holds one noun; some have stages in layers of their own, such as compile. The longest prefix of a path
 in `allowed` is its layer.
@@ -74,7 +74,7 @@ program = {"base/text_file.h", "film/film_words.h"}
 
 
 def layer(name):
-    """Layer of a file or include by the longest prefix; None if no folder of the table contains it.
+    """Returns the layer of a file or include by the longest prefix, or None if no folder of the table contains it.
 
     The sources of closures and of light kinds compile their records on the host; their headers are lane code.
     """

@@ -17,7 +17,7 @@ import numpy as np
 mitsuba.set_variant("llvm_ad_rgb")
 
 TURBIDITIES, ALBEDOS = range(1, 11), (0, 1)
-ELEVATIONS = (2.5, 5, 9, 15, 23, 33, 45, 58, 72, 86)  # degrees
+ELEVATIONS = (2.5, 5, 9, 15, 23, 33, 45, 58, 72, 86)  # elevations in degrees
 STEPS = 11  # directions, from zenith to horizon, and around from the sun to its opposite
 # Rows: A to I of the formula, and the mean radiance. Columns: six Bernstein coefficients.
 START = """

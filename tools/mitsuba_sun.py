@@ -16,7 +16,7 @@ mi.set_variant("llvm_ad_rgb")
 
 HEIGHTS = [*range(2, 90, 3), 90]  # elevations of the sun, degrees
 RADIUS = np.radians(0.5358) / 2
-# In float, as in Mitsuba.
+# The angle is a float, as in Mitsuba.
 SOLID_ANGLE = 2 * np.pi * float(np.float32(1) - np.float32(np.cos(RADIUS)))
 RINGS, SPOKES = 4096, 4
 

@@ -19,7 +19,7 @@ def fresnel(cosine, eta):
 
 
 CORRELATED, SEPARABLE, BECKMANN = range(3)
-# GGX alpha that is sampled for a Beckmann alpha, as a factor: ggx_of_beckmann of microfacet.h.
+# Factor from a Beckmann alpha to the GGX alpha that is sampled for it: ggx_of_beckmann of microfacet.h.
 GGX_OF_BECKMANN = 0.7
 
 
@@ -38,8 +38,8 @@ def beckmann_by_ggx(n, cosine, alpha):
 
 
 def shares(cosine, alpha, eta, facets=CORRELATED):
-    """Fractions of light that are reflected, that pass, and that perfectly reflecting facets would reflect, in one
-    event (Walter et al. 2007)."""
+    """Returns the fractions of light that are reflected, that pass, and that perfectly reflecting facets would reflect,
+    in one scattering event (Walter et al. 2007)."""
     wo = np.array([np.sqrt(max(0, 1 - cosine * cosine)), 0, cosine])
     u = (np.arange(STRATA) + 0.5) / STRATA
     n = visible_normals(wo, alpha, *np.meshgrid(u, u))
@@ -69,7 +69,7 @@ def diffuse_mean(function):
 
 
 def cosine_of(reflectance):
-    """Cosine at which a smooth boundary has the given reflectance."""
+    """Returns the cosine at which a smooth boundary has the given reflectance."""
     low, high = 0.0, 1.0
     for _ in range(40):
         middle = (low + high) / 2
@@ -82,8 +82,8 @@ def smooth_mean(ior):
 
 
 def smooth_polynomial():
-    """Reflectance of a smooth boundary for diffuse light, by powers 1 to 7 of the square root of (ior - 1) / (ior +
-    1)."""
+    """Fits the reflectance of a smooth boundary for diffuse light by powers 1 to 7 of the square root of (ior - 1) /
+    (ior + 1)."""
     ior = np.concatenate([np.linspace(1.0005, 1.05, 30), np.linspace(1.05, 3, 80)])
     root = np.sqrt((ior - 1) / (ior + 1))
     return np.linalg.lstsq(np.stack([root**k for k in range(1, 8)], 1), [smooth_mean(i) for i in ior], rcond=None)[0]

@@ -140,7 +140,7 @@ Json kinds(std::span<const KindName<Kind>> names, std::span<const Parameter<Owne
     return {{"oneOf", all}};
 }
 
-/// Keys that several kinds of lights share.
+/// Schema of the keys that several kinds of lights share.
 Json light_properties(const LightKindInfo& info)
 {
     const auto vector = [](const char* meaning, const Json& value) {

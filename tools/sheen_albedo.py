@@ -14,7 +14,7 @@ def albedo(cosine, roughness):
     cos_i, dcos = (x * x)[:, None], (2 * x / COSINES)[:, None]
     phi = ((np.arange(ANGLES) + 0.5) / ANGLES * np.pi)[None, :]
     sin_i, sin_o = np.sqrt(1 - cos_i * cos_i), np.sqrt(1 - cosine * cosine)
-    # Squared cosine of the half vector; its sine follows.
+    # The first value is the squared cosine of the half vector, from which its sine follows.
     i_dot_o = cos_i * cosine + sin_i * sin_o * np.cos(phi)
     cos2_h = np.clip((cos_i + cosine) ** 2 / (2 + 2 * i_dot_o), 0, 1)
     inverse = 1 / roughness**2

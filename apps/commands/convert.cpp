@@ -14,7 +14,7 @@ namespace {
 constexpr CommandText convert_text{
     "convert", "Convert a scene or model to a Fathom scene file or to GLB",
     "A converted JSON scene renders to the same bits. Meshes, curves, points and embedded images go to a folder\n"
-    "beside it, named after it (scene.json: scene-files); image files are referred to where they are.\n"
+    "next to it, named after it (scene.json: scene-files); image files stay where they are.\n"
     "GLB is one file, for other programs. Fathom warns about what glTF can't represent, and leaves it out.\n\n"
     "Examples:\n  fathom convert model.glb scene.json\n  fathom convert scene.pbrt model.glb\n\n"
     "Exit codes: 0 success; 1 error; 2 wrong usage."};

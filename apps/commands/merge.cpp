@@ -38,7 +38,7 @@ struct MergeOptions {
 /// The merged film, and what its image holds.
 struct MergedFilm {
     Film film;
-    std::map<std::string, std::string> attributes;  ///< of the first part
+    std::map<std::string, std::string> attributes;  ///< attributes of the first part
     bool has_alpha = false, has_variance = false, has_counts = false;
     std::uint64_t planned_samples = 0;
 };
@@ -65,7 +65,7 @@ bool has_layer(const FilmFile& part, const char* channel, const char* layer)
 
 /// Merges the parts in a stream, without loading any of them as a whole.
 ///
-/// left_out  gets a line for each part that is skipped
+/// left_out  gets a line for each skipped part
 MergedFilm merge_parts(const MergeOptions& o, Reporter& reporter, std::vector<std::string>& left_out)
 {
     const Reporter::Phase phase(reporter, "merge", "merging");
@@ -138,8 +138,9 @@ void add_options(Command& command, MergeOptions& o)
     command.add_flag({"--skip-overlaps", "", "skip parts with samples that an earlier part has, and report them",
                       "overlaps are an error"},
                      o.skip_overlaps);
-    command.add_flag({"--no-sums", "", "leave the sums out of EXR: the file is smaller, but can't be merged again", ""},
-                     o.no_sums);
+    command.add_flag(
+        {"--no-sums", "", "write EXR without the exact sums: the file is smaller, but can't be merged again", ""},
+        o.no_sums);
     add_quiet_option(command, o.quiet);
 }
 

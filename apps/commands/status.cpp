@@ -118,7 +118,7 @@ int run_status(const StatusOptions& o)
 
 void add_options(Command& command, StatusOptions& o)
 {
-    command.add_positional("IMAGE", o.image, "the -o of `fathom submit`");
+    command.add_positional("IMAGE", o.image, "the image that `fathom submit` got as -o");
     add_json_option(command, o.json);
 }
 

@@ -19,7 +19,7 @@ namespace {
 
 constexpr CommandText submit_text{
     "submit", "Render an image in parts on a cluster, or submit its missing parts",
-    "SCENE and the image must be in folders that all nodes of the cluster see. Parts are kept beside the image,\n"
+    "SCENE and the image must be in folders that all nodes of the cluster see. Parts are kept next to the image,\n"
     "in a folder named IMAGE.parts; a task that is started again continues from its part.\n\n"
     "Examples:\n"
     "  fathom submit scene.json --spp 4096 --slurm --parts 64 --time 30:00 -o out.exr\n"
@@ -144,7 +144,8 @@ void add_scheduler_options(Command& command, SubmitOptions& o)
                       });
     command.add_flag({"--fix", "", "SCENE is an image that was submitted before: submit its missing parts", ""}, o.fix);
     command.add_flag({"--dry-run", "", "print the scripts and submit nothing", ""}, o.dry_run);
-    command.add_flag({"--unchecked", "", "skip the test whether a node sees scene and folder", ""}, o.unchecked);
+    command.add_flag({"--unchecked", "", "don't test whether a node can access the scene and the folder", ""},
+                     o.unchecked);
     add_quiet_option(command, o.quiet);
 }
 

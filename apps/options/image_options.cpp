@@ -65,7 +65,7 @@ void add_display_options(Command& command, ImageOptions& options)
     command.begin_group("Display");
     command.add_value(
         {"--exposure", "STOPS", "brighten (+) or darken (-) PNG, JPEG, WebP, AVIF and window, in powers of two",
-         "the scene's, else chosen for its light"},
+         "the scene's, otherwise chosen automatically"},
         [&](const std::string& text) { options.exposure_ev = parse_number(text, -100, 100); });
     command.add_value({"--white-balance", "KELVIN",
                        "color temperature that is white in PNG, JPEG, WebP, AVIF and window: 2700 for lamps, 6504 for "

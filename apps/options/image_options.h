@@ -33,7 +33,7 @@ struct ImageOptions {
 
 /// Adds the options that say how radiance is displayed, in files and in a window.
 void add_display_options(Command& command, ImageOptions& options);
-/// Adds the display options and those of files.
+/// Adds the display options and the options for image files.
 ///
 /// default_output  what -o is without the option
 void add_image_options(Command& command, ImageOptions& options, const std::string& default_output);

@@ -38,7 +38,7 @@ std::string sample_ranges_text(const std::vector<SampleRange>& ranges);
 std::vector<SampleRange> missing_samples(const std::vector<SampleRange>& present, std::uint64_t planned);
 /// Samples of `wanted` that are not present.
 std::vector<SampleRange> missing_samples(const std::vector<SampleRange>& present, SampleRange wanted);
-/// "samples 64:128 (part 2 of 16)"; without parts where their number is unknown.
+/// "samples 64:128 (part 2 of 16)"; the part is omitted if the number of parts is unknown.
 std::string missing_text(const std::vector<SampleRange>& missing, std::uint64_t planned_samples,
                          std::uint64_t planned_parts);
 

@@ -29,8 +29,9 @@ void add_animation_options(Command& command, SceneOptions& o)
 void add_camera_options(Command& command, SceneOptions& o)
 {
     command.begin_group("Camera");
-    command.add_value({"--size", "WxH", "image size in pixels", "the scene's, else 800x600 in the camera's shape"},
-                      [&](const std::string& text) { o.size = parse_size(text); });
+    command.add_value(
+        {"--size", "WxH", "image size in pixels", "the scene's, otherwise 800x600 at the camera's aspect ratio"},
+        [&](const std::string& text) { o.size = parse_size(text); });
     command.add_value({"--camera", "NAME", "camera of the scene, by name or number", "the first"},
                       [&](const std::string& text) { o.camera = text; });
     command.add_value({"--look-from", "X,Y,Z", "position of the camera, in meters", "the camera's"},
@@ -63,17 +64,18 @@ void add_camera_options(Command& command, SceneOptions& o)
 void add_light_options(Command& command, SceneOptions& o)
 {
     command.begin_group("Light and background");
-    command.add_value({"--light", "auto|file|studio|sun|sky",
-                       "auto: the file's light, and a studio's if it leaves the model in the dark; file: only the "
-                       "file's; instead of the file's lamps and environment, studio: a studio's light, sun: a clear "
-                       "sky with the sun, sky: a clear sky without its disk",
-                       "auto"},
-                      [&](const std::string& text) {
-                          const int choice = parse_choice(text, {"auto", "file", "studio", "sun", "sky"});
-                          o.light = choice < 3 ? LightingMode(choice) : LightingMode::file;
-                          o.with_sun = choice == 3;
-                          o.sky = choice >= 3;
-                      });
+    command.add_value(
+        {"--light", "auto|file|studio|sun|sky",
+         "auto: the file's light, and studio lights if the model would be dark; file: only the file's light. "
+         "The others replace the file's lamps and environment; studio: by studio lights, sun: by a "
+         "clear sky with the sun, sky: by a clear sky without the sun",
+         "auto"},
+        [&](const std::string& text) {
+            const int choice = parse_choice(text, {"auto", "file", "studio", "sun", "sky"});
+            o.light = choice < 3 ? LightingMode(choice) : LightingMode::file;
+            o.with_sun = choice == 3;
+            o.sky = choice >= 3;
+        });
     add_sun_options(command, o.sun);
     command.add_value({"--env", "FILE",
                        "light the scene with this equirectangular image (HDR, EXR, PFM, ...), whose center is towards "
@@ -121,7 +123,7 @@ void add_file_options(Command& command, SceneOptions& o)
     command.add_value(
         {"--variant", "NAME", "material variant of a glTF file that has several, by name or number", "none"},
         [&](const std::string& text) { o.variant = text; });
-    command.add_value({"--up-axis", "y|z", "axis of the file that points up", "the one of its format"},
+    command.add_value({"--up-axis", "y|z", "axis of the file that points up", "that of the file's format"},
                       [&](const std::string& text) { o.up_axis = "yz"[parse_choice(text, {"y", "z"})]; });
     command.add_values({"-D,--define", "NAME=VALUE", "value of a parameter of a Mitsuba scene; can be repeated", ""},
                        [&](const std::string& text) {

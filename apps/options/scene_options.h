@@ -20,8 +20,8 @@ enum class GroundChoice { automatic, none, shadow, color };
 /// Options for the scene file, its lighting and the camera.
 struct SceneOptions {
     std::filesystem::path file;
-    std::string scene;                               ///< of a file with several; empty: the file's default
-    std::string variant;                             ///< of materials
+    std::string scene;                               ///< scene of a file with several; empty: the file's default
+    std::string variant;                             ///< material variant
     std::map<std::string, std::string> definitions;  ///< parameters by name
     char up_axis = 0;
     bool confine = false;
@@ -47,7 +47,7 @@ struct SceneOptions {
 
 /// Adds the file and how it is read, --memory and --nice.
 void add_file_options(Command& command, SceneOptions& options);
-/// Adds these, and animation, camera and light.
+/// Adds the options of add_file_options() and those for animation, camera and light.
 void add_scene_options(Command& command, SceneOptions& options);
 LoadOptions load_options(const SceneOptions& options);
 /// Throws UsageError for options that contradict each other.

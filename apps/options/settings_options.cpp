@@ -95,7 +95,7 @@ RenderSettings resolve_settings(const SettingsOptions& o, const RenderHints& hin
                         fmt::format("expected {}, found '{}'", fmt::join(filter_names, " or "), *hints.filter));
         settings.filter = Filter(name - filter_names.begin());
     }
-    // The file's radius belongs to the file's filter.
+    // The file's filter radius applies only to the file's filter.
     settings.filter_radius = o.filter_radius.value_or(o.filter ? 0 : hints.filter_radius.value_or(0));
     settings.filter = o.filter.value_or(settings.filter);
     settings.light_selection = o.light_selection;

@@ -53,7 +53,8 @@ public:
     bool finish();
 
 private:
-    /// Reports the last write, if it failed or succeeded unlike the one before. Not for use while one is under way.
+    /// Reports the last write if its outcome differs from the one before. Must not be called while a write is under
+    /// way.
     void report_outcome();
     void write_in_background();
     Film open_own(const RenderJob& job, SampleRange wanted, const std::string& parts);

@@ -9,7 +9,7 @@ namespace fathom::cli {
 /// Writes all files of the options and reports each. EXR has all layers; other formats show the layer "denoised", if
 /// there is one. A file that can't be written is reported and written elsewhere if possible; the result is false then.
 ///
-/// sums  of the image, which EXR is to hold too, or nullptr
+/// sums  film sums of the image that EXR files also store, or nullptr
 bool write_images(const ImageOptions& options, const Image& image, const Film* sums, const WriteOptions& write,
                   Reporter& reporter);
 

@@ -23,9 +23,9 @@ struct RenderPlan {
     FilmOptions film{};
     CheckpointOptions checkpoint{};
     std::string scene_digest{};          ///< digest of the scene, for checkpoints
-    std::optional<Denoiser> denoiser{};  ///< at rank 0
+    std::optional<Denoiser> denoiser{};  ///< set at rank 0 only
     Ranks* ranks = nullptr;              ///< the ranks that render together; nullptr: this process renders alone
-    bool has_guiding_option = false;     ///< else a rule decided settings.guiding
+    bool has_guiding_option = false;     ///< whether an option, and not a rule, decided settings.guiding
     bool stats = false;
 };
 

@@ -44,7 +44,7 @@ Size resolve_size(const SceneOptions& options, const std::string& camera_name, c
         if (hints.width) size.height = rounded_side(size.width / aspect);
         if (hints.height) size.width = rounded_side(size.height * aspect);
     } else if (aspect > 0) {
-        // The largest image of the camera's shape within the default size.
+        // The default size is the largest image of the camera's shape within these limits.
         if (aspect > double(size.width) / size.height)
             size.height = rounded_side(size.width / aspect);
         else

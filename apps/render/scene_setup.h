@@ -17,12 +17,12 @@ namespace fathom::cli {
 /// A scene that can be compiled: it has a camera, and the options are applied.
 struct LoadedScene {
     SceneDescription description;
-    std::string camera;               ///< name of the camera to render; empty: the first
-    Size size;                        ///< of the image: the option's, the scene's, or 800x600 in the camera's shape
-    std::vector<std::string> added;   ///< what the file lacked, in words
-    std::optional<BvhQuality> build;  ///< the option's or the scene's
-    std::optional<AnimationPlayer> player;  ///< where the options give a time
-    std::string note;                       ///< what else the file could show; may be empty
+    std::string camera;  ///< name of the camera to render; empty: the first
+    Size size;           ///< of the image: the option's, the scene's, or 800x600 at the camera's aspect ratio
+    std::vector<std::string> added;         ///< descriptions of what the file lacked
+    std::optional<BvhQuality> build;        ///< BVH quality from the option or the scene
+    std::optional<AnimationPlayer> player;  ///< player of the animation, if the options give a time
+    std::string note;                       ///< note on other content of the file, such as animations; may be empty
     Vec3d middle;                           ///< center of a turntable
     std::optional<std::string> moved_from;  ///< the camera from which the options made `camera`
 };

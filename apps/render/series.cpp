@@ -24,8 +24,8 @@ fs::path frame_file(const fs::path& pattern, std::uint64_t frame)
     return pattern.parent_path() / name;
 }
 
-/// Throws Error if the name of the checkpoint's previous generation is too long. No file is created as a test, since a
-/// foreign link may have that name.
+/// Throws Error if the name of the checkpoint's previous generation is too long. No file is created to test this, since
+/// a link of another user may have that name.
 void check_previous_name(const fs::path& checkpoint)
 {
     const fs::path previous = previous_file(checkpoint), folder = previous.parent_path();

@@ -48,7 +48,7 @@ std::string choices_text(const ordered_json& values, const char* key)
     return texts.empty() ? "none" : fmt::format("{}", fmt::join(texts, ", "));
 }
 
-/// Prints rows, the first one behind a name.
+/// Prints the rows of a table, with `name` in front of the first.
 void print_table(const std::string& name, const std::vector<std::string>& rows)
 {
     for (std::size_t i = 0; i < rows.size() && i < max_rows; ++i) print_line(i == 0 ? name : "", rows[i]);
@@ -116,7 +116,7 @@ void print_choices(const ordered_json& info)
 {
     for (const char* choice : {"scenes", "variants"}) {
         const std::vector<std::string> names = info[choice];
-        // A single scene is not worth a print_line.
+        // A file with a single scene needs no list of scenes.
         if (names.size() > (choice == std::string("scenes") ? 1u : 0u))
             print_line(choice, fmt::format("{}", fmt::join(names, ", ")));
     }

@@ -17,15 +17,15 @@ namespace fathom::view {
 /// A scene to show, and how to show it.
 struct ViewJob {
     Scene scene;
-    RenderSettings settings;    ///< with the initial size of the window
-    std::string name;           ///< of the scene, for the title and for saved images
+    RenderSettings settings;    ///< includes the initial size of the window
+    std::string name;           ///< name of the scene, for the title and for saved images
     std::uint64_t samples = 0;  ///< samples per pixel at which rendering pauses
     DisplayTransform display;
     std::optional<Denoiser> denoiser;                ///< none: the image is not denoised at first
-    Bounds bounds;                                   ///< of the scene, for the colors of positions
+    Bounds bounds;                                   ///< bounding box of the scene, for the colors of positions
     std::filesystem::path latency_log;               ///< empty: none
     int script_moves = 0;                            ///< number of scripted moves before the window closes; 0: none
-    const std::atomic<bool>* interrupted = nullptr;  ///< closes the window
+    const std::atomic<bool>* interrupted = nullptr;  ///< closes the window when it becomes true
 };
 
 inline constexpr const char* module_file = "libfathom_view.so";

@@ -253,7 +253,7 @@ std::optional<Renderer::Pass> Renderer::full_pass(View film)
     Target& t = target(film, job, true);
     const std::uint64_t done = t.film.samples_per_pixel();
     const std::uint64_t end = samples_end(film);
-    // An empty pass shows existing samples at once: of a view chosen again, or to denoise them.
+    // An empty pass publishes existing samples at once, when a view is chosen again or denoising is due.
     if (done > 0 && (!shown_ || denoising_is_due(t))) return Pass{&t, job, {done, done}, true};
     if (done >= end) return {};
     const double fit = pass_s_ > 0 ? max_pass_s / pass_s_ : 1;
@@ -275,7 +275,7 @@ std::optional<Renderer::Pass> Renderer::next_pass()
     settings.height = int(std::ceil(work_.height * scale));
     const RenderJob job = job_for(settings);
     Target& t = target(film, job, false);
-    // Holds a sample if another view was chosen before this one was shown at full size.
+    // The film already holds a sample if another view was chosen before this one was shown at full size.
     if (t.film.samples_per_pixel() > 0) t.film.reset(job);
     return Pass{&t, job, {0, 1}, false};
 }

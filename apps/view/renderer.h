@@ -20,14 +20,14 @@ namespace fathom::view {
 
 /// An image for the window.
 struct Frame {
-    std::uint64_t move = 0;  ///< number of the latest Renderer::move that it shows
+    std::uint64_t move = 0;  ///< samples per pixel, and their final number
     View view = View::image;
     int width = 0, height = 0;
     bool full_size = false, denoised = false;
     std::uint64_t samples = 0, samples_end = 0;  ///< per pixel
     double samples_per_s = 0;                    ///< pixels times samples
     Image image;
-    DisplayScale scale;  ///< with which `pixels` were made
+    DisplayScale scale;  ///< the scale that made `pixels`
     std::vector<unsigned char> pixels;
 };
 
@@ -44,7 +44,7 @@ struct Pick {
 /// moves. Denoising runs between passes.
 class Renderer {
 public:
-    /// samples   per pixel, after which the thread waits for a change
+    /// samples   number per pixel, after which the thread waits for a change
     /// denoiser  none: the image is not denoised at first
     Renderer(Scene scene, const RenderSettings& settings, std::uint64_t samples, const DisplayScale& scale,
              const std::optional<Denoiser>& denoiser);
@@ -65,7 +65,7 @@ public:
     void save(const std::string& stem);
 
     struct Update {
-        std::optional<Frame> frame;  ///< the latest
+        std::optional<Frame> frame;  ///< latest frame
         std::optional<Pick> pick;
         std::vector<std::string> messages;
     };

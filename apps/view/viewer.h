@@ -65,7 +65,7 @@ private:
     Clock::time_point next_script_move_;
 
     sf::RenderWindow window_;
-    sf::Texture textures_[2];  ///< for frames at low resolution and at full size
+    sf::Texture textures_[2];  ///< textures for frames at low resolution and at full size
     Overlay overlay_;
     Frame frame_;
     std::string title_, message_;

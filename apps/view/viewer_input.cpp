@@ -166,7 +166,7 @@ void Viewer::handle_key(const sf::Event::KeyEvent& key)
     }
 }
 
-/// Handles characters, which are on different keys on different keyboards.
+/// Handles characters that are keys of their own on some keyboards and need a modifier on others.
 void Viewer::handle_character(std::uint32_t character)
 {
     if (character >= '1' && character < '1' + std::uint32_t(view_count)) choose_view(int(character - '1'));
@@ -223,7 +223,8 @@ void Viewer::fly_step(sf::Keyboard::Key key, double seconds)
     moved_ = true;
 }
 
-/// Moves forth and back, each after the last move is visible and a varying pause, to hit passes at any point.
+/// Moves the camera back and forth. Each move waits until the last one is visible and for a varying pause, so that
+/// moves interrupt passes at any point.
 void Viewer::script_step()
 {
     const auto now = Clock::now();

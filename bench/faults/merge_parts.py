@@ -39,7 +39,7 @@ def main():
     subprocess.run([fathom, "merge", *parts, "-o", "merged.exr"], check=True)
     seconds = time.monotonic() - start
     usage = resource.getrusage(resource.RUSAGE_CHILDREN)
-    # Maximum over all child processes: the renders above need less memory than merging.
+    # RUSAGE_CHILDREN gives the maximum over all child processes; the renders above need less memory than merging.
     print(f"{count} parts of {size}, {sum(os.path.getsize(part) for part in parts) / 1e9:.1f} GB: {seconds:.1f} s, "
           f"peak memory {usage.ru_maxrss / 1024:.0f} MB")
     info = json.loads(subprocess.run([fathom, "info", "merged.exr", "--json"], check=True, capture_output=True).stdout)

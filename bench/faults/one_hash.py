@@ -14,7 +14,7 @@ import sys
 import tempfile
 
 SAMPLES = 48
-LEVELS = ["none", "x86-64-v3", "x86-64-v4"]  # "none" matches no folder: the base library
+LEVELS = ["none", "x86-64-v3", "x86-64-v4"]  # "none" matches no library folder, so the loader takes the base library
 LOADER = "/lib64/ld-linux-x86-64.so.2"
 OPTIONS = ["--size", "96x64", "--aov", "albedo,normal,depth,position,instance,material,variance", "--guiding", "on", "-q"]
 

@@ -53,7 +53,7 @@ def main():
         def words(folder, index):
             return [o.fathom, "render", f"{folder}/{o.scene}", "--size", "32x24", "--spp", "1", "--threads", "1", "--guiding", "off", "--progress", "json",
                     "-o", f"{temporary}/{index}.exr"]
-        # Without a server, and with files in the cache.
+        # This measurement has no server, and the files are in the cache.
         begun(words(o.folder, 0))()
         waits = [begun(words(o.folder, i)) for i in range(o.processes)]
         local = sorted(wait() for wait in waits)

@@ -36,7 +36,7 @@ class Share:
 
     All users get equal amounts, so the amount per user since the start is one number, `given`, which determines who
     finishes next.
-"""
+    """
 
     def __init__(self, clock, rate, most):
         self.clock, self.rate, self.most = clock, rate, most
@@ -101,7 +101,7 @@ class Machine:
         self.farm.clock.at(self.farm.clock.now + wait, self.write)
 
     def write(self):
-        # Rendering waits for no write but the last.
+        # Rendering waits only for the last write.
         is_last = self.farm.clock.now - self.rendering_s >= self.o.render_s - 1e-6
         self.farm.writes.use(self.o.film_mb * 1e6, self.end if is_last else lambda: None)
         if not is_last:

@@ -34,7 +34,7 @@ fathom::SceneDescription carousel()
         const fathom::Vec3d center = {2.5 * std::cos(angle), 0.6, 2.5 * std::sin(angle)};
         wheel.shapes.push_back({fathom::Sphere{center, i == 0 ? 0.6 : 0.4, {}}, 2, "ball"});
     }
-    wheel.movable = true;  // moving this node costs its share, not the whole scene's
+    wheel.movable = true;  // an edit of this node then costs time in proportion to its contents, not to the whole scene
     scene.nodes = {world, wheel};
     scene.roots = {0};
 

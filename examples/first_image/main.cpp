@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 /// A first image: a glass ball and a gold ball on a floor under a gradient sky, written to a file.
 ///
-///     first_image [FILE]      FILE: .png, .jpg, .webp, .avif, .hdr or .exr (default first-image.png)
+/// usage: first_image [FILE]      FILE: .png, .jpg, .webp, .avif, .hdr or .exr (default first-image.png)
 #include <fathom/error.h>
 #include <fathom/render.h>
 

@@ -27,7 +27,7 @@ fathom::RenderSettings settings()
     return settings;
 }
 
-/// A camera where the file has none, and a studio's light where it is dark.
+/// Adds a camera if the file has none, and studio light if the scene is dark.
 fathom::Scene load(const std::filesystem::path& file)
 {
     fathom::Warnings warnings;
@@ -38,7 +38,7 @@ fathom::Scene load(const std::filesystem::path& file)
     return fathom::compile_lit(std::move(scene), "", fathom::LightingMode::automatic, framing.aspect, warnings).scene;
 }
 
-/// What one machine does: load the scene, render some of the samples, write an EXR that holds their exact sums.
+/// Does the work of one machine: loads the scene, renders some of the samples, and writes an EXR with their exact sums.
 void render_part(const std::filesystem::path& scene, fathom::SampleRange range, const std::filesystem::path& file)
 {
     const fathom::RenderJob job(load(scene), settings());
@@ -60,7 +60,7 @@ try {
     render_part(scene, {0, samples / 2}, first);
     render_part(scene, {samples / 2, samples}, second);
 
-    // Order does not matter. Films of another scene or other settings are refused, and so are samples that overlap.
+    // The order of films does not matter. merge() throws if the scene or settings differ, or if samples overlap.
     fathom::Film merged = fathom::FilmFile(second).read();
     fathom::FilmFile(first).add_to(merged);
     fathom::write_image(folder / "merged.png", merged.image(false, false), {});
@@ -68,7 +68,7 @@ try {
     const fathom::RenderJob job(load(scene), settings());
     fathom::Film whole(job);
     fathom::render(job, {0, samples}, whole);
-    // The image, its albedo, normals and variance.
+    // The images have radiance, albedo, normals and variance.
     const fathom::Image image = merged.image(false, true), expected = whole.image(false, true);
     bool identical = merged.samples() == whole.samples();
     for (std::size_t i = 0; i < expected.layers.size(); ++i)

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-/// A scene from arrays: a triangle mesh, a material, a lamp and a camera, all from std::vector, as a program has them
-/// that computes its geometry. The mesh is a height field, sin(r) / r, with normals and vertex colors.
+/// A scene from arrays: a triangle mesh, a material, a lamp and a camera, all from std::vector, as programs that
+/// compute geometry have them. The mesh is a height field, sin(r) / r, with normals and vertex colors.
 ///
-///     scene_from_arrays [FILE]      (default scene-from-arrays.png)
+/// usage: scene_from_arrays [FILE]      (default scene-from-arrays.png)
 #include <fathom/error.h>
 #include <fathom/render.h>
 

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
-# The root folder of an image: a build as it is installed, the shared libraries that it needs, a shell for recipes that need
-# one, and a user without rights. What it is made of is that of this machine.
+# Makes the root folder of a container image: an installed build, its shared libraries, a shell for recipes that need
+# one, and an unprivileged user. The libraries and the shell are copied from this machine.
 #   farm/container/root.sh BUILD_FOLDER ROOT
 set -euo pipefail
 if [ $# -ne 2 ]; then
@@ -13,12 +13,12 @@ build=$1 root=$2
 mkdir -p "$root"/{dev,etc,proc,sys,tmp,work,usr/local}
 chmod 1777 "$root/tmp" "$root/work"
 cmake --install "$build" --prefix "$root/usr/local" --strip >/dev/null
-# The window, formats of Assimp, ranks of MPI, and what is for those who link against the library: not here.
+# The modules for the window, Assimp and MPI and the development files are removed.
 rm -rf "$root"/usr/local/lib/libfathom_{view,assimp,mpi}.so "$root"/usr/local/lib/*/libfathom_{view,assimp,mpi}.so
 rm -rf "$root/usr/local/include" "$root"/usr/local/lib/*/cmake "$root"/usr/local/lib/cmake
 
-# Shared libraries of programs and modules, those of these, and the loader, where they are on this machine. AVIF is opened when
-# it is asked for, so it stands in no header.
+# Prints the shared libraries that the given programs and modules need, directly or indirectly, and the dynamic loader.
+# AVIF's library is opened only when it is needed, so no ELF header lists it.
 libraries_of() {
     { ldd "$@" 2>/dev/null || true; } | sed -n 's/.*=> \(\/[^ ]*\) .*/\1/p; s/^[[:space:]]*\(\/[^ ]*\) (.*/\1/p'
 }

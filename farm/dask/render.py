@@ -1,21 +1,23 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""A picture in parts by the workers of Dask, and the merge of them: docs/farm/dask.md.
+"""Renders an image in parts on the workers of Dask, and merges them: docs/farm/dask.md.
 
-    farm/dask/render.py SCENE FOLDER [--parts N] [--spp N] [--picture NAME] [--program FATHOM] [--scheduler ADDRESS] [-- OPTION...]
+    farm/dask/render.py SCENE FOLDER [--parts N] [--spp N] [--picture NAME] [--program FATHOM] [--scheduler ADDRESS]
+                        [-- OPTION...]
 
-SCENE and FOLDER must be where all workers see them. Without --scheduler a cluster of this machine is made. OPTION...: more of `fathom render`.
+All workers must see SCENE and FOLDER. Without --scheduler, a cluster on this machine is started. OPTION...: further
+options of `fathom render`.
 """
 import argparse
 import os
 import subprocess
 import sys
 
-INTERRUPTED = 130  # the samples so far are kept
+INTERRUPTED = 130  # exit code of an interrupted render, which keeps its samples
 
 
 def render_part(words):
-    """Renders until all samples are there; returns what the program said of a part that failed."""
+    """Renders a part until it has all samples; returns the error output of a part that failed, else nothing."""
     for _ in range(10):
         result = subprocess.run(words, capture_output=True, text=True)
         if result.returncode != INTERRUPTED:
@@ -27,7 +29,7 @@ def client_of(options):
     from dask.distributed import Client, LocalCluster
     if options.scheduler:
         return Client(options.scheduler)
-    # One part at a time: each takes all cores.
+    # Each worker renders one part at a time, since a part uses all cores.
     return Client(LocalCluster(n_workers=1, threads_per_worker=1, dashboard_address=None))
 
 
@@ -47,7 +49,7 @@ def main():
     words = [[options.program, "render", os.path.abspath(options.scene), "--spp", str(options.spp), "--part", f"{part}/{options.parts}",
               "--checkpoint", film, *options.options] for part, film in enumerate(films, 1)]
     with client_of(options) as client:
-        # A worker that is lost costs its parts the samples since their last checkpoint.
+        # If a worker is lost, its part loses only the samples since its last checkpoint.
         failures = client.gather(client.map(render_part, words, retries=3, pure=False))
     for part, failure in enumerate(failures, 1):
         if failure:

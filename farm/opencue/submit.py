@@ -1,12 +1,12 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Hands a picture in parts, and the merge of them, to OpenCue: docs/farm/opencue.md.
+"""Submits the parts of an image and their merge to OpenCue: docs/farm/opencue.md.
 
     farm/opencue/submit.py SCENE FOLDER [--parts N] [--spp N] [--picture NAME] [--program FATHOM] [--show SHOW] [--shot SHOT]
                            [--memory GB] [--print]
 
-SCENE and FOLDER must be where all hosts see them. --print prints the job, and submits nothing; else OpenCue's Python package
-(opencue-pycue) must be there.
+All hosts must see SCENE and FOLDER. --print prints the job and submits nothing; otherwise OpenCue's Python package
+(opencue-pycue) must be installed.
 """
 import argparse
 import getpass
@@ -20,13 +20,14 @@ DOCTYPE = '<?xml version="1.0"?>\n<!DOCTYPE spec PUBLIC "SPI Cue  Specification 
 
 
 def commands(options):
-    """Of the layer that renders, a frame each part, and of the one that merges. #IFRAME# is the frame's number."""
+    """Commands of the layer that renders, with a frame for each part, and of the layer that merges. #IFRAME# is the
+    frame's number."""
     folder = os.path.abspath(options.folder)
     render = [options.program, "render", os.path.abspath(options.scene), "--spp", str(options.spp), "--part", f"#IFRAME#/{options.parts}",
               "--checkpoint", os.path.join(folder, "part-#IFRAME#.exr")]
     merge = [options.program, "merge", *(os.path.join(folder, f"part-{part}.exr") for part in range(1, options.parts + 1)),
              "-o", os.path.join(folder, options.picture)]
-    # Hosts give a command to a shell; the frame's number must stay bare in it.
+    # Hosts pass a command to a shell, which must not quote the placeholder of the frame's number.
     return [" ".join(shlex.quote(word) if re.search(r"[^\w#./=+:,@%-]", word) else word for word in words) for words in (render, merge)]
 
 
@@ -47,7 +48,7 @@ def add_layer(layers, name, command, frames, options):
 
 
 def job_name(scene):
-    """What OpenCue takes for one: letters, digits, and lines."""
+    """Converts the scene's name to a valid job name of OpenCue: letters, digits and underscores."""
     return "fathom-" + re.sub(r"[^A-Za-z0-9_-]", "_", os.path.splitext(os.path.basename(scene))[0])
 
 
@@ -57,7 +58,7 @@ def job_text(options):
         add(spec, name, text)
     name = job_name(options.scene)
     job = add(spec, "job", name=name)
-    # A frame that is retried goes on from its checkpoint.
+    # A retried frame continues from its checkpoint.
     for key, text in (("paused", "False"), ("priority", 1), ("maxretries", 3), ("autoeat", "False")):
         add(job, key, text)
     add(job, "env")

@@ -22,12 +22,12 @@ enum class Interpolation {
 
 /// Quantity that a channel animates, with the number of floats in a value.
 enum class AnimatedProperty {
-    // Of a node.
+    // Properties of a node.
     translation,  ///< Translation of the node in meters (3 floats).
     rotation,     ///< Rotation as a quaternion x, y, z, w, which is normalized (4 floats).
     scale,        ///< Scale factors along the axes of the node (3 floats).
     weights,      ///< Weights of the morph targets of the node's mesh (one float each).
-    visible,      ///< 0 hides the node and everything below it (1 float).
+    visible,      ///< Properties of a material. Values are clamped to their valid range.
     // Of a material. Values are clamped to their valid range.
     base_color,    ///< Linear base color and alpha (4 floats).
     metallic,      ///< Material::metallic, 0 to 1 (1 float).
@@ -35,11 +35,11 @@ enum class AnimatedProperty {
     emission,      ///< Emitted radiance in nits (3 floats).
     alpha_cutoff,  ///< Material::Opacity::cutoff (1 float).
     normal_scale,  ///< Material::NormalMap::scale (1 float).
-    // Of a light. Values are clamped to their valid range.
+    // Properties of a light. Values are clamped to their valid range.
     intensity,    ///< Light::intensity (3 floats).
     inner_angle,  ///< Half angle of a spot's inner cone in radians (1 float).
     outer_angle,  ///< Half angle of a spot's outer cone in radians (1 float).
-    // Of the camera of a node.
+    // Properties of the camera of a node.
     fov_y,   ///< Full vertical angle of view in radians, clamped to 0.001 to 3.14 (1 float).
     height,  ///< Half of Camera::height in meters, as glTF's ymag (1 float).
 };
@@ -175,7 +175,7 @@ private:
 
     AnimationRig rig_;
     std::size_t animation_;
-    std::vector<Transform> parent_from_node_;  ///< At rest, by node index.
+    std::vector<Transform> parent_from_node_;  ///< Transforms at rest, by node index.
     std::vector<bool> moved_;                  ///< Whether a channel animates the transform, by node index.
     std::vector<std::size_t> bent_;            ///< Indices into rig_.meshes of those that the animation deforms.
 };

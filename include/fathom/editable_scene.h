@@ -43,8 +43,8 @@ public:
     /// Returns the name of the camera that scenes are compiled for, as passed to the constructor.
     const std::string& camera() const;
 
-    // Indices are those of the description. All setters throw std::out_of_range if an index is out of range, and leave
-    // other checks to compile().
+    // Setters take indices of the description. All of them throw std::out_of_range if an index is out of range, and
+    // leave other checks to compile().
 
     /// Sets Node::parent_from_node. Unless the node is movable, the next compile() compiles the whole scene.
     void set_transform(int node, const Transform& parent_from_node);

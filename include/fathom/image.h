@@ -62,7 +62,7 @@ enum class Tonemap {
 /// Names of each Tonemap in options and scene files, indexed by its value.
 inline constexpr const char* tonemap_names[] = {"srgb", "filmic", "agx", "khronos-neutral", "aces"};
 
-class OcioView;  // fathom/ocio.h
+class OcioView;  // defined in fathom/ocio.h
 
 /// Conversion of linear radiance to the display values of PNG, JPEG, WebP and AVIF.
 struct DisplayTransform {

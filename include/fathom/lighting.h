@@ -25,7 +25,7 @@ struct FATHOM_API LightingProbe {
 /// Renders a test image of 64 pixels across with 16 samples per pixel and at most 4 scattering events, which takes a
 /// few hundredths of a second.
 ///
-/// scene   Seen by the camera that it was compiled for.
+/// scene   The scene, which is seen by the camera that it was compiled for.
 /// aspect  Width / height of the final image.
 FATHOM_API LightingProbe probe_lighting(const Scene& scene, double aspect);
 
@@ -55,7 +55,7 @@ struct Ground {
 /// A compiled scene and what was added to light it.
 struct LitScene {
     Scene scene;  ///< The compiled scene.
-    /// Descriptions of what was added, for people: "a studio light", "an exposure of +2 stops for its light ...".
+    /// Descriptions of what was added, for messages: "a studio light", "an exposure of +2 stops for its light ...".
     std::vector<std::string> added;
     /// Exposure in stops for the file's light, in steps of 0.5; empty if the scene should be shown with its own
     /// exposure.

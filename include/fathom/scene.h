@@ -30,7 +30,7 @@ struct CompileStatistics {
 /// An immutable compiled scene: geometry in acceleration structures, materials, textures and lights in tables.
 ///
 /// A copy shares the data of its original, so a Scene is passed by value. Several threads may use it at once. A
-/// default-constructed Scene is empty and may only be assigned to. EditableScene compiles scenes that change.
+/// default-constructed Scene is empty and may only be assigned to. Use EditableScene for scenes that change.
 class FATHOM_API Scene {
 public:
     /// Compiles `description` on all threads that ThreadLimit allows.

@@ -23,7 +23,7 @@ namespace fs = std::filesystem;
 
 constexpr std::uint64_t unknown = std::numeric_limits<std::uint64_t>::max();
 
-/// The number after `key` in a file of lines `key number ...`; with an empty key, the number that begins the file.
+/// Returns the number after `key` in a file of lines `key number ...`; with an empty key, the first number of the file.
 std::uint64_t number_in(const fs::path& file, const std::string& key)
 {
     std::ifstream in(file);

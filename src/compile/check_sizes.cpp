@@ -14,9 +14,10 @@ namespace fathom {
 
 namespace {
 
-/// Meters. Beyond this, doubles are coarser than a meter.
+/// Largest coordinate in meters. Beyond it, doubles are coarser than a meter.
 constexpr double farthest = 1e15;
-/// In render space, where scenes have a radius of at most 1024: products of three such numbers still fit into float.
+/// Largest coordinate in render space, where scenes have a radius of at most 1024: products of three such numbers still
+/// fit into float.
 constexpr double largest_in_render_space = 1e12;
 /// Limit of lengths in the object space of instances, where one unit of render space can be long too.
 constexpr double largest_in_own_space = 1e12;
@@ -66,7 +67,7 @@ private:
     Bounds own_;
 };
 
-/// Checks that flattened shapes fit into float in render space.
+/// Checks that the geometry of flattened shapes fits into float in render space.
 class PlacedChecker {
 public:
     explicit PlacedChecker(const Compiler& c) : c_(c), boxes_(c) {}

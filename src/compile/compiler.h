@@ -13,21 +13,21 @@
 
 namespace fathom {
 
-/// A shape under a node: a flattened occurrence.
+/// A shape with its world transform: one occurrence in the flattened node hierarchy.
 struct FlattenedShape {
     const Shape* shape;
-    Transform render_from_node;  ///< at shutter open
+    Transform render_from_node;  ///< transform when the shutter opens
     std::uint32_t object_id;
     int node;                ///< index of the node that has the shape
     int motion = -1;         ///< index into FlattenedScene::motions; -1: static
     bool movable = false;    ///< its transform or vertices may be edited after compilation
     bool instanced = false;  ///< placed by an instance; set by compile_geometry
 };
-/// A light under a node.
+/// A light with its world transform: one occurrence in the flattened node hierarchy.
 struct FlattenedLight {
     const Light* light;
     Transform render_from_node;
-    int motion = -1;  ///< as FlattenedShape::motion
+    int motion = -1;  ///< like FlattenedShape::motion
 };
 /// All shapes and lights of a scene with their world transforms: the flattened node hierarchy.
 struct FlattenedScene {
@@ -67,9 +67,9 @@ void compile_material_records(Compiler& c);
 
 /// Geometry in object space, which instances place.
 struct InstancedGeometry {
-    std::map<const void*, std::uint32_t> shapes;  ///< key: shared_geometry the shape
-    std::size_t shapes_end = 0;                   ///< number of shapes before those of instances
-    bool moving = false;                          ///< something moves otherwise than by poses of instances
+    std::map<const void*, std::uint32_t> shapes;  ///< by shared_geometry() of the shape
+    std::size_t shapes_end = 0;                   ///< number of shapes that are not part of instances, which come first
+    bool moving = false;                          ///< something moves in a way other than by poses of instances
     bool fixed_motion = false;                    ///< something that is not movable moves during the shutter interval
 };
 /// Fills vertices, triangles, quads, spheres, disks and shapes, and decides what is instanced. Requires materials.

@@ -12,7 +12,7 @@ namespace fathom {
 struct EditableScene::Data {
     SceneDescription scene;
     SceneCompiler compiler;
-    std::shared_ptr<Scene::Data> compiled;  ///< null: full compilation needed
+    std::shared_ptr<Scene::Data> compiled;  ///< null if full compilation is needed
     SceneChanges changes;
     bool anew = true;
 
@@ -42,7 +42,7 @@ const std::string& EditableScene::camera() const
 
 namespace {
 
-/// Element by index; throws std::out_of_range, also for negative indices.
+/// Returns the element with this index; throws std::out_of_range, also for negative indices.
 template <class T>
 T& at(std::vector<T>& all, int index)
 {
@@ -91,8 +91,8 @@ void EditableScene::set_material(int material, const Material& material_now)
 void EditableScene::set_light(int light, const Light& light_now)
 {
     const Light before = std::exchange(at(data_->scene.lights, light), light_now);
-    // Images of lights are decoded together with those of textures, and unused ones must not affect the fingerprint:
-    // other images need full compilation.
+    // Images of lights are decoded together with those of textures, and unused ones must not affect the fingerprint.
+    // Therefore another image requires full compilation.
     const LightImage &was = before.picture, &is = light_now.picture;
     const bool other_picture = was.image != is.image || was.color_space != is.color_space;
     if (is_pictured(before) != is_pictured(light_now) || (is_pictured(light_now) && other_picture))
@@ -103,7 +103,7 @@ void EditableScene::set_light(int light, const Light& light_now)
 void EditableScene::set_environment(const Environment& environment)
 {
     const Environment& before = data_->scene.environment;
-    // Environment images are decoded together with those of textures: other images need full compilation.
+    // Environment images are decoded together with those of textures, so another image requires full compilation.
     const auto pictured = [](const Environment& e) {
         return e.kind == EnvironmentKind::image || e.kind == EnvironmentKind::cube ||
                e.kind == EnvironmentKind::equal_area;
@@ -164,7 +164,7 @@ Scene EditableScene::compile_bit_exact(Warnings& warnings)
 
 Scene EditableScene::compile(Warnings& warnings)
 {
-    // Moved out first: after an Error the data must not be reused.
+    // The data is moved out first: after an Error it must not be reused.
     std::shared_ptr<Scene::Data> scene = std::exchange(data_->compiled, nullptr);
     const SceneChanges changes = std::exchange(data_->changes, {});
     data_->anew = true;

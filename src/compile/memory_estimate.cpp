@@ -17,8 +17,8 @@ namespace {
 
 // Peak bytes, as measured plus a margin (bench/memory.py).
 constexpr double bytes_per_light = 700;       // record and light tree, both while they grow
-constexpr double bytes_per_segment = 1100;    // curve segment: up to 32 BVH primitives, about four on average
-constexpr double bytes_per_point = 370;       // ball of a point cloud
+constexpr double bytes_per_segment = 1100;    // curve segment: at most 32 BVH primitives, about four on average
+constexpr double bytes_per_point = 370;       // sphere of a point cloud
 constexpr double bytes_while_moving = 96;     // triangle: boxes at both ends of a time interval
 constexpr double bytes_per_environment = 28;  // texel: four floats and the sampling distribution
 
@@ -182,7 +182,7 @@ double ShapeMemory::add_points(const Points& points)
 
 void ShapeMemory::add(const Shape& shape, const Mesh* mesh, double places, bool is_light)
 {
-    double primitives = 6;  // primitives of a box, the maximum of the remaining kinds
+    double primitives = 6;  // primitives of a box, the most of any other kind of shape
     if (mesh)
         places_of_[mesh] += places, primitives = double(mesh->indices.size()) / 3;
     else if (const auto* c = std::get_if<CurvesInstance>(&shape.geometry))

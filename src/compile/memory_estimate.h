@@ -14,8 +14,8 @@ class ShapeMemory {
 public:
     ShapeMemory(const SceneDescription& scene, BvhQuality build) : scene_(scene), build_(build) {}
 
-    /// Adds a shape with `places` occurrences. mesh: its mesh, displaced if its material says so; null for other kinds;
-    /// emits: whether it is a light.
+    /// Adds a shape with `places` occurrences. mesh: its mesh, displaced if its material has displacement; null for
+    /// other kinds; emits: whether it is a light.
     void add(const Shape& shape, const Mesh* mesh, double places, bool emits);
     /// The estimates, by kind.
     std::vector<MemoryEstimate> needs() const;

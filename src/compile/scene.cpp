@@ -70,7 +70,7 @@ CameraRecord Scene::Data::camera_record(const Camera& seen_by, int width, int he
     CameraRecord t;
     const Vec3d forward = normalize(seen_by.look_at - seen_by.position);
     Vec3d right = cross(forward, seen_by.up);
-    // Looking along `up`: any perpendicular direction serves.
+    // A camera that looks along `up` may use any perpendicular direction.
     if (length(right) < 1e-9 * length(seen_by.up))
         right = cross(forward, std::abs(forward.x) < 0.9 ? Vec3d{1, 0, 0} : Vec3d{0, 0, 1});
     right = normalize(right);

@@ -144,7 +144,7 @@ bool SceneCompiler::update(Scene::Data& data, const SceneChanges& changes, Warni
     check_camera(scene_, data.camera, space_);
     const bool other_times = tables_->shutter_open != float(data.camera.shutter_open) ||
                              tables_->shutter_close != float(data.camera.shutter_close);
-    // Bounds of immovable geometry are valid for the shutter interval of compilation only.
+    // Bounds of immovable geometry are valid only for the shutter interval of the last full compilation.
     if (other_times && contents_.fixed_motion) return false;
     if (!displacement_unchanged(changes, other_times)) return false;
     set_shutter(*tables_, data.camera);
@@ -192,7 +192,7 @@ bool SceneCompiler::displacement_unchanged(const SceneChanges& changes, bool oth
     return !other_times || displaced_.empty();
 }
 
-/// Whether all immovable shapes are where they were.
+/// Returns whether no immovable shape has moved.
 bool SceneCompiler::static_shapes_unmoved(const FlattenedScene& now) const
 {
     const auto same_poses = [](const std::vector<NodeKey>& a, const std::vector<NodeKey>& b) {
@@ -211,7 +211,7 @@ bool SceneCompiler::static_shapes_unmoved(const FlattenedScene& now) const
                       same);
 }
 
-/// Applies the checks of compile() to shapes that moved.
+/// Applies the position checks of compile() to shapes that moved.
 void SceneCompiler::check_moved(const Compiler& c, const FlattenedScene& now, const std::vector<int>& meshes) const
 {
     std::vector<FlattenedShape> moved;
@@ -225,7 +225,7 @@ void SceneCompiler::check_moved(const Compiler& c, const FlattenedScene& now, co
     check_flattened(c, moved, now);
 }
 
-/// The given meshes, and those with vertex motion, which differ at other shutter times.
+/// Returns the given meshes and those with vertex motion, whose vertices differ at other shutter times.
 std::vector<int> SceneCompiler::with_moving(std::vector<int> meshes) const
 {
     for (const auto& [content, shape] : contents_.shapes)
@@ -236,13 +236,13 @@ std::vector<int> SceneCompiler::with_moving(std::vector<int> meshes) const
     return meshes;
 }
 
-/// other_times: the shutter interval changed; then only these meshes have moving vertices.
+/// other_times: the shutter interval changed, so only these meshes may have moving vertices.
 bool SceneCompiler::update_vertices(Compiler& c, const std::vector<int>& meshes, bool other_times)
 {
     if (meshes.empty()) return true;
     const std::vector<float> times = Instancing(c, occurrences_).vertex_times();
     if (times.size() != tables_->vertex_times.size()) return false;
-    // Other moving vertices are given at the previous key times.
+    // The remaining moving vertices are compiled for the previous key times.
     if (!other_times && times != tables_->vertex_times) return false;
     tables_->vertex_times = times;
     return std::all_of(meshes.begin(), meshes.end(),

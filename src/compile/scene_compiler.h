@@ -13,8 +13,8 @@ namespace fathom {
 
 /// Changes since a scene was compiled.
 struct SceneChanges {
-    SceneParts parts;          ///< nodes: moved; meshes: movable ones with new vertices
-    bool environment = false;  ///< other than its image
+    SceneParts parts;          ///< moved nodes, and movable meshes with new vertices
+    bool environment = false;  ///< the environment changed, but not its image
 };
 
 /// Compiles a description, which must outlive it, and applies later changes.
@@ -53,7 +53,7 @@ private:
     DisplacedShapes displaced_;
     LightImages light_images_;
     InstancedGeometry contents_;
-    std::vector<std::size_t> triangles_;  ///< of instanced shapes, by shape
+    std::vector<std::size_t> triangles_;  ///< number of triangles of instanced shapes, by shape
     Fingerprints fingerprints_;
 };
 

@@ -14,7 +14,7 @@ struct Scene::Data {
     Camera camera;  ///< the camera that render space was made for, in world space
     std::shared_ptr<const SceneTables> tables;
     std::unique_ptr<KernelScene> kernel;
-    std::uint64_t fingerprint = 0;  ///< of the tables, without the camera
+    std::uint64_t fingerprint = 0;  ///< fingerprint of the tables, without the camera
 
     /// The kernel's record of a camera (world space) for an image of the given size.
     CameraRecord camera_record(const Camera& seen_by, int width, int height) const;

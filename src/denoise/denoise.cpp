@@ -18,7 +18,7 @@ namespace {
 using Device = std::unique_ptr<std::remove_pointer_t<Oidn::Device>, decltype(Oidn::oidnReleaseDevice)>;
 using Filter = std::unique_ptr<std::remove_pointer_t<Oidn::Filter>, decltype(Oidn::oidnReleaseFilter)>;
 
-/// Three floats per pixel.
+/// An image plane of three floats per pixel.
 using Plane = std::vector<float>;
 
 /// First three channels of a layer.
@@ -36,7 +36,8 @@ struct Input {
     Plane plane;
 };
 
-/// The image, with its auxiliary albedo and normal layers; OIDN accepts normals only with an albedo.
+/// Filter inputs of an image: its colors and the auxiliary layers albedo and normal. OIDN accepts normals only with an
+/// albedo.
 std::vector<Input> inputs_of(const Image& image)
 {
     if (image.layers.empty()) throw Error("", "", "can't denoise an empty image");

@@ -50,9 +50,9 @@ struct Film::Data {
     std::uint64_t dropped = 0;
     std::optional<SampleLocation> invalid_sample;
     using Words = std::vector<std::uint32_t, LargeAllocator<std::uint32_t>>;
-    Words words;       ///< layout.words per pixel
-    Words pass_words;  ///< sums that a cancellable pass writes to, swapped with `words` at its end: see render and
-                       ///< render_pass
+    Words words;       ///< layout.words words per pixel
+    Words pass_words;  ///< sums that a cancellable pass writes to and that are swapped with `words` at its end: see
+                       ///< render and render_pass
     std::optional<double> sample_s;  ///< seconds for one sample of all pixels in the last pass
 
     std::uint32_t* pixel(std::size_t index) { return &words[index * std::size_t(layout.words)]; }

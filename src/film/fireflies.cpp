@@ -132,11 +132,14 @@ struct Outliers {
 Film::Fireflies Film::fireflies() const
 {
     constexpr double fewest_samples = 4;
-    /// Threshold on the variance relative to the typical one; the variance of few samples is itself uncertain.
+    /// Threshold on the variance relative to the typical one; it is high because the variance of few samples is itself
+    /// uncertain.
     constexpr double far_beyond = 25;
-    /// Largest fraction of bright samples in an outlier pixel; at the edge of a bright object more samples are bright.
+    /// Largest fraction of bright samples in a pixel with fireflies; at the edge of a bright object more samples are
+    /// bright.
     constexpr double few = 1 / 16.0;
-    /// Threshold relative to each neighbor's mean: next to a bright object the filter causes a few bright samples.
+    /// Threshold relative to each neighbor's mean; next to a bright object the filter causes a few bright samples of
+    /// lower value.
     constexpr double much_brighter = 4;
     const double n = double(samples_per_pixel());
     if (n < fewest_samples) return {};

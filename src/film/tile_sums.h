@@ -12,7 +12,7 @@ namespace fathom {
 /// Word offsets within a film's pixel: sums of radiance, sums of squares, then all other sums in the order of
 /// FilmLayout.
 inline constexpr int square_words = 3 * ExactSum::words, other_words = square_words + 3 * ExactSquareSum::words;
-/// The words of one sum within a pixel: of radiance, of squared radiance, or another by its index.
+/// The words of one sum within a pixel: of radiance, of squared radiance, or of another quantity by its index.
 template <class Word>
 Word* radiance_sum(Word* pixel, int channel)
 {
@@ -29,7 +29,7 @@ Word* other_sum(Word* pixel, int place)
     return pixel + other_words + place * ExactSum::words;
 }
 
-/// Index of the first of the other sums of each layer; -1: not wanted. See FilmLayout.
+/// Index of the first sum of each layer among the other sums; -1 if the layer is not wanted. See FilmLayout.
 struct AovPlaces {
     int alpha = -1, albedo = -1, normal = -1, depth = -1, position = -1, hits = -1, ids = -1;
     bool any() const { return alpha >= 0 || albedo >= 0 || normal >= 0 || depth >= 0 || position >= 0 || ids >= 0; }
@@ -43,9 +43,9 @@ public:
     /// Vectors of four numbers by the GCC and Clang extension, which is available for every instruction set.
     using Doubles = double __attribute__((vector_size(32)));
     using Integers = std::int64_t __attribute__((vector_size(32)));
-    // The alignment of Fast is explicit: GCC's default alignment of vectors depends on the instruction set; library and
-    // kernels must agree.
-    /// Squares are split in two sums: multiples of 2^-20, and the remainders, which may be negative, in units of 2^-54.
+    // The alignment of Fast is explicit because GCC's default alignment of vectors depends on the instruction set, and
+    // library and kernels must agree.
+    // Squares are split in two sums: multiples of 2^-20, and the remainders, which may be negative, in units of 2^-54.
     struct alignas(32) Fast {
         Integers sum{}, square{}, square_rest{};
     };
@@ -85,7 +85,7 @@ public:
         }
     }
 
-    /// Adds the radiance of one sample whose channels are below `small` in magnitude.
+    /// Channels of usual samples are below this magnitude.
     static constexpr float small = 128;
     void add_small(std::uint32_t pixel, float r, float g, float b)
     {
@@ -102,7 +102,7 @@ public:
         sums.square_rest += (Integers)rest - std::bit_cast<std::int64_t>(fine);
     }
 
-    /// Adds to one of the other sums of a pixel, by its index.
+    /// Adds a number to one of the other sums of a pixel, by its index.
     void add_first_hit(std::uint32_t pixel, int place, float number)
     {
         if (std::isfinite(number)) ExactSum::add_number(other_sum(first_hit(pixel), place), number);
@@ -140,8 +140,9 @@ public:
     const std::vector<Fast>& fast() const { return fast_; }
     const std::vector<Slow>& slow() const { return slow_; }
     std::uint64_t dropped = 0;
-    std::uint32_t first_dropped_pixel = 0, first_dropped_sample = 0;  ///< of the first dropped sample, if any
-    /// Keeps the last sample in `value`, NaN included, to replay a single sample.
+    std::uint32_t first_dropped_pixel = 0,
+                  first_dropped_sample = 0;  ///< pixel and index of the first dropped sample, if any
+    /// If true, keeps the last sample in `value`, NaN included, to replay a single sample.
     bool keep_values = false;
     float value[3] = {};
 
@@ -155,8 +156,8 @@ private:
     std::vector<Fast> fast_;
     std::vector<Slow> slow_;
     std::size_t words_per_pixel_ = 0;
-    std::vector<std::uint32_t> first_hits_;  ///< words_per_pixel_ words per pixel, and one that tells whether ids are
-                                             ///< set
+    std::vector<std::uint32_t>
+        first_hits_;  ///< words_per_pixel_ words per pixel, and one more that tells whether ids are set
 };
 
 }  // namespace fathom

@@ -116,7 +116,7 @@ Affine pose_at(const Number& number, UInt pose_count, Float time)
     return a;
 }
 
-/// render_from_object in each lane of the mask; poses: a word like InstanceRecord::poses.
+/// render_from_object in each lane of the mask. poses: words with the layout of InstanceRecord::poses.
 inline Affine pose_of(const GeometryTables& tables, UInt poses, Float time, Mask m)
 {
     const UInt count = poses & UInt(255u), first = poses >> 8;

@@ -17,7 +17,7 @@ struct Ray {
 struct Hit {
     Float t;
     UInt primitive;
-    UInt instance;  ///< no_index if the primitive is not instanced
+    UInt instance;  ///< no_index if the hit primitive is not instanced
     Float u, v;     ///< barycentric weights of a triangle's second and third vertex; not set for other primitives
 };
 
@@ -30,16 +30,16 @@ inline Vec3 safe_inverse(Vec3 d)
     return {inverse(d.x), inverse(d.y), inverse(d.z)};
 }
 
-/// Error bound for the offset of rays that leave a surface. They start slightly off it; otherwise they could hit it
-/// again where rounding put them on its other side.
+/// Error bound for the offset of rays that leave a surface. Rays start slightly off the surface; otherwise they could
+/// hit it again where rounding put them on its other side.
 ///
 /// The error is bounded per coordinate (as in Pharr, Jakob, Humphreys, "Physically Based Rendering", 6.8, and Ize 2013,
 /// "Robust BVH Ray Traversal"), and only its component along the normal counts. On a horizontal floor neither the size
 /// of the floor nor the distance to it matters.
 ///
-/// n, p: unit geometric normal, and the point. way: for each coordinate the largest magnitude, of either sign, that was
-/// added to find the point or that the next intersection test adds. Units are 2^-24 of a coordinate: p and the added
-/// values are rounded a few times each, here and by the next test.
+/// n, p: unit geometric normal, and the point. way: for each coordinate the largest magnitude, of either sign, of a
+/// term of the sum that gave the point or of the sum in the next intersection test. Units are 2^-24 of a coordinate: p
+/// and the terms are rounded a few times each, here and by the next test.
 inline Float rounding_along(const Vec3& n, const Vec3& p, const Vec3& way)
 {
     return Float(0x1p-21f) * dot(abs(n), abs(p)) + Float(0x1p-22f) * dot(abs(n), abs(way));

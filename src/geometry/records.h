@@ -25,7 +25,7 @@ struct QuadRecord {
 };
 struct SphereRecord {
     Vec3f center, motion;  ///< the center at a time is center + time * motion
-    float radius = 1;      ///< negative: the normal points inward
+    float radius = 1;      ///< negative if the normal points inward
 };
 struct DiskRecord {
     Vec3f center, normal;
@@ -34,9 +34,9 @@ struct DiskRecord {
 
 /// A segment of a curve, divided in straight pieces: see shapes/curve.h.
 struct CurveRecord {
-    std::uint32_t first_point = 0;  ///< index in curve_points of the first of four control points, or two if linear
+    std::uint32_t first_point = 0;  ///< index in curve_points of the first of four control points (two for a line)
     std::uint32_t pieces = 1;       ///< a power of 2, at most max_pieces
-    float u0 = 0, u1 = 1;           ///< parameters along the whole curve at its ends
+    float u0 = 0, u1 = 1;           ///< texture coordinates u at both ends, along the whole curve
     static constexpr std::uint32_t max_pieces = 32, max_segments = 1u << 27, max_points = 1u << 29;
 };
 
@@ -52,17 +52,17 @@ struct ShapeRecord {
         flipped = 64,          ///< the geometric normal is reversed (mirroring transform)
         linear_curves = 256,   ///< segments are lines: two points each, not four
         ribbons = 512,         ///< curves are flat and face each ray, instead of round
-        solid_curves = 1024,   ///< rays hit them from inside, too
+        solid_curves = 1024,   ///< rays from inside hit the curve, too
         fibers = 2048,         ///< round hair: rays that start inside leave without hitting them
-        only_instanced = 128,  ///< primitives appear through instances only
+        only_instanced = 128,  ///< primitives are seen only through instances
     };
     std::uint32_t material = 0;
     std::uint32_t flags = 0;
     std::uint32_t first_primitive = 0;
-    std::uint32_t light_base = no_index;  ///< light of its first primitive; those of the others follow
-    std::uint32_t object_id = 0;          ///< for the instance id AOV of primitives that are not instanced
-    std::uint32_t frame = no_index;       ///< index in `frames`: orientation of round primitives, if their texture
-                                          ///< coordinates show it
+    std::uint32_t light_base = no_index;  ///< index of the light of its first primitive; the other primitives follow
+    std::uint32_t object_id = 0;          ///< id of primitives that are not instanced, for the instance id AOV
+    std::uint32_t frame = no_index;  ///< index in `frames` of the orientation of round primitives; no_index if their
+                                     ///< texture coordinates are not used
     /// Number of mesh vertices, or of control points of curves, if they move, else 0. Vertex v at vertex_times[k] is v
     /// + k * moving_vertices.
     std::uint32_t moving_vertices = 0;
@@ -71,10 +71,11 @@ struct ShapeRecord {
 /// An instance of a shape, static or moving; its primitives are stored in object space.
 struct InstanceRecord {
     std::array<float, 12> object_from_render{};  ///< rows of an affine map; unused if the instance moves
-    std::uint32_t shape = 0;                     ///< material and flags; equal instances share it
-    std::uint32_t mesh_shape = 0;                ///< the shape whose primitives it shows
-    std::uint32_t object_id = 0;                 ///< replaces the shape's object_id
-    std::uint32_t poses = 0;  ///< if it moves: the number of poses in the low byte, the index of the first above it
+    std::uint32_t shape = 0;       ///< index of the shape with material and flags; equal instances share it
+    std::uint32_t mesh_shape = 0;  ///< index of the shape whose primitives the instance shows
+    std::uint32_t object_id = 0;   ///< replaces the shape's object_id
+    std::uint32_t poses = 0;  ///< for a moving instance, the number of poses in the low byte and the index of the first
+                              ///< pose above it; else 0
 
     static constexpr std::uint32_t max_poses = 255, max_first_pose = (1u << 24) - 1;
     std::uint32_t pose_count() const { return poses & 255; }
@@ -94,7 +95,7 @@ struct PoseRecord {
 };
 static_assert(sizeof(PoseRecord) == 64);
 
-/// All primitives, shapes and instances of a scene.
+/// All primitives, shapes and instances of a scene, with their attributes.
 struct GeometryTables {
     // Vertex attributes of all meshes; arrays that no mesh uses are empty.
     LargeVector<Vec3f> positions, normals;
@@ -115,9 +116,9 @@ struct GeometryTables {
     /// Times at which moving vertices and control points are stored, from shutter open to shutter close; empty if none
     /// move.
     std::vector<float> vertex_times;
-    std::uint32_t world_triangles = 0;  ///< triangles [0, world_triangles) are in render space; the others are reached
-                                        ///< through instances
-    float shutter_open = 0, shutter_close = 0;  ///< of the camera that the scene was compiled for
+    std::uint32_t world_triangles =
+        0;  ///< triangles [0, world_triangles) are in render space; the others are seen through instances
+    float shutter_open = 0, shutter_close = 0;  ///< shutter times of the camera that the scene was compiled for
     Vec3d origin;                               ///< world position of render space's origin
     double render_scale = 1;                    ///< render units per world unit: a power of two
     bool moving = false;

@@ -76,7 +76,7 @@ inline Float nee_probability(const GuidingTables& tables, UInt cube, Float throu
 /// Learned distribution of incident light at a gang of surface points; samples directions from it (path guiding).
 class Guidance {
 public:
-    /// Guiding is off.
+    /// Creates a guidance that is off.
     Guidance() = default;
     /// Looks up the regions of the points p with shading normals n. noise: from guiding_noise(). weight: suitability of
     /// the closure for guiding, from 0 to 1; it scales the share of guided directions.
@@ -94,7 +94,7 @@ public:
     bool is_on() const { return tables_ != nullptr; }
     /// Lanes whose region has a learned distribution.
     Mask known() const { return known_; }
-    /// Fraction of directions to take from sample(); 0 where nothing is known.
+    /// Fraction of directions to take from sample(); 0 if the region has no learned distribution.
     Float share() const { return share_; }
     /// Survival probability divided by (throughput times surface color), for Russian roulette.
     Float survival_factor() const { return gather(tables_->survival_factors.data(), region_, known_); }
@@ -136,8 +136,8 @@ public:
 private:
     static constexpr int band_shift = 4;
     static_assert(guiding_sectors == 1u << band_shift);
-    /// The closure keeps at least a third: it covers what the histogram misses and bounds the noise where that is
-    /// wrong.
+    /// The closure keeps at least a third of the directions: it covers what the histogram misses and bounds the noise
+    /// where the histogram is wrong.
     static constexpr float max_share = 0.65f;
 
     const GuidingTables* tables_ = nullptr;

@@ -30,14 +30,14 @@ struct GuidingTables {
     LargeVector<std::uint32_t> regions;  ///< region index by (cube, x fastest) * guiding_sides + side, or no_index
     LargeVector<float> histograms;       ///< cumulative histograms, guiding_stride values per region
     double max_value = 0;                ///< upper limit that was applied to record values
-    /// By region: survival probability of a path divided by (throughput times surface color); see
+    /// Indexed by region: survival probability of a path divided by (throughput times surface color); see
     /// session/efficiency_roulette.h.
     LargeVector<float> survival_factors;
-    /// By cube: probability of sampling a light divided by the throughput; see session/efficiency_roulette.h. Empty:
-    /// always sample.
+    /// Indexed by cube: probability of sampling a light divided by the throughput; see session/efficiency_roulette.h.
+    /// If empty, lights are always sampled.
     LargeVector<float> nee_factors;
-    /// By cube: probability of tracing a shadow ray divided by the contribution of its light sample if unoccluded.
-    /// Empty: always trace.
+    /// Indexed by cube: probability of tracing a shadow ray divided by the contribution of its light sample if
+    /// unoccluded. If empty, shadow rays are always traced.
     LargeVector<float> shadow_ray_factors;
 };
 
@@ -56,8 +56,8 @@ struct GuidingRecord {
 
     float position[3];
     std::uint16_t side = 0, bin = no_bin;  ///< histogram bin of the outgoing direction, or no_bin
-    /// Incident radiance along that direction, times its cosine, over the density it was sampled with; mean of the
-    /// channels.
+    /// Incident radiance along that direction times its cosine, divided by the density with which it was sampled; mean
+    /// of the channels.
     float value = 0;
     /// Contribution of the vertex's light sample, divided by the throughput of the path; mean of the channels.
     float light = 0;

@@ -33,8 +33,8 @@ Picture read_picture(const std::string& name, const void* bytes, std::size_t siz
 /// Size of an image, from the header of its file.
 struct PictureSize {
     std::uint64_t width = 0, height = 0;
-    std::uint64_t bytes_per_pixel = 0;  ///< memory per pixel during reading; 4 if the reader produces a ByteImage
-                                        ///< directly
+    std::uint64_t bytes_per_pixel =
+        0;  ///< memory per pixel while reading; 4 if the reader produces a ByteImage directly
 
     double pixels() const { return double(width) * double(height); }
 };

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Compiled for one lane (FATHOM_ONE_LANE), since traversal asks for one candidate at a time. It evaluates textures by
-/// the code that shading uses.
+/// This file is compiled for one lane (FATHOM_ONE_LANE), since traversal tests one candidate at a time. It evaluates
+/// textures by the code that shading uses.
 #include "integrate/alpha.h"
 
 #include <bit>

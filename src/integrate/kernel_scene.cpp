@@ -16,10 +16,10 @@ namespace {
 ShadowTargets shadow_targets(const LightTables& tables)
 {
     ShadowTargets targets;
-    // Environments and directional lights follow those with a position.
+    // Environments and directional lights, which have no position, come last in the table.
     targets.infinite = tables.positioned_lights < tables.lights.size();
     targets.places = tables.light_places;
-    // Moving lights can be seen from anywhere, so no surface may be left out.
+    // Moving lights can be visible from any point, so no surface may be left out of the occluders.
     for (const LightRecord& light : tables.lights) targets.infinite |= light.motion != 0;
     if (tables.lights.size() == 1) targets.only_primitive = tables.lights[0].primitive;
     return targets;

@@ -57,7 +57,7 @@ public:
     {
         std::size_t active = 0;
         for (;;) {
-            const std::size_t fresh = active;  // camera rays follow the others
+            const std::size_t fresh = active;  // the new camera rays follow the other paths
             clock_.enter(RenderStage::camera);
             active = refill(active);
             if (active == 0) break;
@@ -210,8 +210,8 @@ private:
                   p.radiance.c[1][i], p.radiance.c[2][i]);
     }
 
-    /// Ends the paths that shading marked as dead, before they are traced again; the last paths of the pool fill their
-    /// places. Returns the number of paths left.
+    /// Removes the paths that shading marked as dead, before the next rays are traced; the last paths of the pool fill
+    /// their places. Returns the number of paths left.
     std::size_t retire_paths(std::size_t active)
     {
         PathPool& p = *paths_;
@@ -244,7 +244,7 @@ private:
                 hits_.primitive.gather(index, m), scene_.is_flat ? UInt(no_index) : hits_.instance.gather(index, m)};
     }
 
-    /// Adds throughput * emitted * weight to the radiance of the paths listed from numbers[at] on.
+    /// Adds throughput * emitted * weight to the radiance of the `lanes` paths that are listed from numbers[at] on.
     void add_radiance(const Column<std::uint32_t>& numbers, std::size_t at, const Spectrum& emitted, Float weight,
                       Mask m)
     {
@@ -419,8 +419,8 @@ void render_job(const KernelScene& scene, const CameraRecord& camera, const Kern
                 const KernelJob& job, TileSums& sums, KernelCounters& counters)
 {
     const auto& lane_scene = static_cast<const LaneScene&>(scene);
-    // Tracers are too large for small stacks. They stay uninitialized because every stage writes what the next one
-    // reads.
+    // Tracers are too large for small stacks. They stay uninitialized because every stage writes its outputs before the
+    // next stage reads them.
     const auto run = [&]<class Tracer>(std::type_identity<Tracer>) {
         const std::unique_ptr<Tracer> tracer(new Tracer(lane_scene, camera, settings, job, sums, counters));
         tracer->run();

@@ -9,12 +9,12 @@ inline namespace FATHOM_LANES {
 
 namespace {
 
-/// More rays do not help: few of them reach the deep nodes, whose order matters little.
+/// More rays do not help: few of them reach the deep nodes, whose order hardly matters.
 constexpr std::size_t max_rays = 2048;
 
 /// Rays and their hits in columns, padded for whole registers.
 struct Rays {
-    std::vector<float> column[10];  ///< origin, direction, t_max; t, u, v of hits
+    std::vector<float> column[10];  ///< columns: origin, direction, t_max, and t, u, v of hits
     std::vector<std::uint32_t> primitive, instance;
     std::size_t count = 0;
 
@@ -60,8 +60,8 @@ Vec3 any_direction(Sample2 u)
     return sample_cone(u, Float(2));
 }
 
-/// Rays from random points of triangles in random directions. Triangles are equally likely: dense regions tend to be
-/// the visible ones.
+/// Rays from random points of triangles in random directions. All triangles are equally likely, since dense regions
+/// tend to be the visible ones.
 Rays from_triangles(const GeometryTables& tables)
 {
     Rays rays;
@@ -69,7 +69,7 @@ Rays from_triangles(const GeometryTables& tables)
     for (std::size_t i = 0; i < max_rays; i += lanes) {
         const Numbers numbers(i, 0);
         const UInt any = to_uint(numbers.pair(0).x * Float(float(tables.world_triangles)));
-        // The product may round up to the number of triangles.
+        // Rounding may turn the product into the number of triangles, which is not a valid index.
         const UInt number = select(less(any, last), any, last);
         Vec3 corner[3];
         for (std::uint32_t k = 0; k < 3; ++k) {
@@ -94,7 +94,7 @@ Mask have_met(const Rays& rays, std::size_t i)
     return first_lanes(rays.count - i) & (load(&rays.primitive[i]) != UInt(no_index));
 }
 
-/// Rays from the hits of other rays, on the side from which those came.
+/// Rays from the hits of other rays, starting on the side from which those rays came.
 Rays bounced(Rays& rays)
 {
     Rays next;
@@ -133,7 +133,7 @@ void order_by_trial_shadow_rays(LaneScene& scene)
     if (tables.lights.empty() || tables.world_triangles == 0) return;
     Rays rays = from_triangles(tables);
     rays.trace(scene.bvh);
-    // Hits seen from triangles are where paths scatter; the triangles themselves may lie inside closed objects.
+    // The hits are points where paths may scatter; the triangles where the rays started may lie inside closed objects.
     rays = bounced(rays);
     rays.trace(scene.bvh);
     Rays shadows = to_lights(scene, rays);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Compiled for one lane (FATHOM_ONE_LANE): scene compilation evaluates textures by the code that shading uses, and
-/// gets bitwise equal results from each kernel.
+/// This file is compiled for one lane (FATHOM_ONE_LANE). Scene compilation evaluates textures by the code that shading
+/// uses, and gets bitwise equal results from each kernel.
 #include "kernel/kernel.h"
 #include "textures/textures.h"
 

@@ -6,7 +6,7 @@
 namespace fathom {
 inline namespace FATHOM_LANES {
 
-/// Pairs of random dimensions: CameraPair in group 0 (the camera), BouncePair in group bounce + 1.
+/// Pairs of random dimensions: CameraPair for group 0 (the camera), BouncePair for group bounce + 1.
 enum CameraPair : std::uint32_t { pair_film, pair_lens, pair_time };
 /// Pairs of group 0 of light paths.
 enum EmissionPair : std::uint32_t { pair_emitter = 3, pair_emission_point, pair_emission_direction };

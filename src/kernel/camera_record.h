@@ -7,10 +7,11 @@ namespace fathom {
 /// Camera parameters in render space.
 struct CameraRecord {
     std::uint32_t orthographic = 0;
-    std::uint32_t spherical = 0, equal_area = 0;  ///< spherical: sees all directions; equal_area: by the equal-area
-                                                  ///< mapping
+    std::uint32_t
+        spherical = 0,
+        equal_area = 0;  ///< 1 if the camera sees all directions by an equirectangular or an equal-area mapping, else 0
     float position[3] = {};
-    float right[3] = {}, up[3] = {}, forward[3] = {};  ///< orthonormal axes
+    float right[3] = {}, up[3] = {}, forward[3] = {};  ///< orthonormal camera axes
     float half_width = 1, half_height = 1;  ///< half size of the image plane: at distance 1 (perspective), or in render
                                             ///< space (orthographic)
     float lens_radius = 0, focus_distance = 1;

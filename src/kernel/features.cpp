@@ -141,13 +141,13 @@ void add_light_features(const SceneTables& tables, Features& f)
     f.add(Feature::light_pictures, !tables.light_pictures.empty());
 }
 
-/// Whether QuadTracer can shade a material.
+/// Whether QuadTracer can shade this material.
 bool is_for_quad_tracer(const MaterialRecord& m)
 {
     return m.emission_texture == no_index && (m.closure == ClosureKind::none || Closures::is_small(m.closure));
 }
 
-/// Must run after the other features were found.
+/// Adds the features of scenes of quads. Must run after the other features were found.
 void add_quad_features(const SceneTables& tables, bool is_flat, const UsedMaterials& used, Features& f)
 {
     const bool all_quads = is_flat && tables.triangles.empty() && tables.spheres.empty() && tables.disks.empty();

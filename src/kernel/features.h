@@ -33,7 +33,7 @@ enum class Feature : std::uint32_t {
     moving_lights,         ///< LightRecord::motion: lights are sampled where they are at the time of the path.
     curve_lights,          ///< Curve segments emit: they are sampled along their length.
     light_pictures,        ///< LightRecordKind::pictured: images scale the intensity of lights.
-    only_quads,            ///< Quads alone, static, of small closures: QuadTracer renders the scene.
+    only_quads,            ///< Only static quads with small closures: QuadTracer renders the scene.
     only_plain_quads       ///< only_quads, and each quad is plain (QuadColumns): QuadTracer needs no closures.
 };
 using Features = EnumSet<Feature>;

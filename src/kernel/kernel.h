@@ -21,7 +21,7 @@ namespace fathom {
 class KernelScene {
 public:
     virtual ~KernelScene() = default;
-    /// Size of the acceleration structure and of derived tables, in bytes.
+    /// Memory of the acceleration structure and of derived tables, in bytes.
     virtual std::size_t memory_bytes() const = 0;
     /// Whether rays traverse a BVH. Small scenes are a flat list of primitives instead, which takes a third of the
     /// time.
@@ -48,7 +48,7 @@ struct KernelSettings {
     int max_depth = -1, roulette_depth = 5;
     bool light_sampling = true;
     LightSelection light_selection = LightSelection::tree;
-    bool measure = false;  ///< measure KernelCounters::ticks
+    bool measure = false;  ///< whether KernelCounters::ticks are measured
     /// Limit per channel on what a sample contributes by two or more surfaces; 0: no limit.
     float clamp_indirect = 0;
     std::uint32_t filter = 0;  ///< a value of enum Filter
@@ -69,9 +69,9 @@ struct KernelSettings {
 inline constexpr std::uint32_t max_job_pixels = 1u << 14, max_job_samples = 1u << 20;
 /// Work item of one thread: samples [first_sample, first_sample + samples) of some pixels.
 struct KernelJob {
-    const std::uint32_t* pixels = nullptr;  ///< one word per pixel: x in the low 16 bits, y above
+    const std::uint32_t* pixels = nullptr;  ///< one word for each pixel: x in the low 16 bits, y above
     std::uint32_t pixel_count = 0;
-    std::uint32_t first_sample = 0, samples = 0;  ///< per pixel
+    std::uint32_t first_sample = 0, samples = 0;  ///< range of samples, for each pixel
     GuidingRecords* records = nullptr;            ///< receives training data for path guiding if not null
 };
 
@@ -94,7 +94,7 @@ struct KernelTexturePoint {
     Vec4f vertex_color{1, 1, 1, 1};
 };
 
-/// Statistics of rendering, added to by each job.
+/// Statistics of rendering, which each job increases.
 struct KernelCounters {
     /// The kernel leaves costs.seconds to the caller, which knows the duration of a tick.
     RenderCosts costs;

@@ -24,13 +24,13 @@ struct LaneScene final : KernelScene {
     bool is_flat = false;
     FlatScene flat;
     Bvh bvh;
-    /// Per shape: the sort bucket of its material in the low bits, flags in the high bits.
+    /// Indexed by shape: the sort bucket of its material in the low bits, flags in the high bits.
     std::vector<std::uint32_t> shape_info;
     static constexpr std::uint32_t emits = 1u << 31, is_mixture = 1u << 30;
     /// Shadow rays and paths may pass the surface undeflected (passes_shadow_rays) without counting a bounce
     /// (passes_without_bounce).
     static constexpr std::uint32_t passes_shadow_rays = 1u << 29, passes_without_bounce = 1u << 28;
-    /// Per material: its sort bucket, for the constituents of mixtures.
+    /// Indexed by material: its sort bucket, for the constituents of mixtures.
     std::vector<std::uint32_t> material_bucket;
     /// Sort key of paths before shading: first the ClosureKind, then the material modulo 32.
     static constexpr std::uint32_t kind_shift = 5;
@@ -38,7 +38,7 @@ struct LaneScene final : KernelScene {
     static constexpr std::uint32_t bucket_mask = std::bit_ceil(buckets) - 1;
     static constexpr std::uint32_t samples_light = bucket_mask + 1;  ///< bucket flag of paths that sample a light
     static_assert((samples_light | bucket_mask) < passes_without_bounce && closure_kind_count <= 32);
-    /// Per primitive of a flat scene: the shape_info of its shape; padded for lookup().
+    /// Indexed by primitive of a flat scene: the shape_info of its shape; padded for lookup().
     std::vector<std::uint32_t> primitive_info;
     QuadColumns quads;
     Features features;

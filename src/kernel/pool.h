@@ -107,8 +107,8 @@ void for_columns(MediaColumn& a, MediaColumn& b, F&& f)
 struct PathPool {
     VectorColumn origin, direction;
     SpectrumColumn throughput, radiance;
-    Column<std::uint32_t> pixel_hash, reversed_index;  ///< see SampleKey
-    /// Low 15 bits: number of bounces. From bit 16: position of the pixel in the job. Other bits: the flags below.
+    Column<std::uint32_t> pixel_hash, reversed_index;  ///< hash of the pixel and reversed sample index, see SampleKey
+    /// Bits 0 to 14: number of bounces. Bits from 16 on: position of the pixel in the job. Other bits: the flags below.
     Column<std::uint32_t> state;
     static constexpr std::uint32_t bounce_mask = 0x7fff;
     static constexpr std::uint32_t scattered = 1u << 15;  ///< some scattering event was not a delta lobe
@@ -165,7 +165,7 @@ struct PathPool {
 struct HitColumns {
     Column<float> t, u, v;
     Column<std::uint32_t> primitive, instance;
-    Column<std::uint32_t> material;  ///< see SurfaceHit
+    Column<std::uint32_t> material;  ///< material that a mixture chose, see SurfaceHit
 
     /// Calls f(column of a, column of b) for each column; instance and material only if used.
     template <class F>

@@ -14,7 +14,7 @@ inline namespace FATHOM_LANES {
 /// index may be passed; the result is unspecified for an index that is not a quad.
 class QuadColumns {
 public:
-    /// front: the side of the quad's normal.
+    /// Flags of a quad; `front` is the side of its normal.
     enum Flags : std::uint32_t {
         scatters = 1,
         emits_front = 2,

@@ -18,18 +18,17 @@ inline namespace FATHOM_LANES {
 struct LightSample {
     Vec3 wi;  ///< unit, from the shading point towards the light
     Float distance;
-    Float inverse_pdf;  ///< of wi, with respect to solid angle, without the probability of choosing the light; 1 for
-                        ///< delta lights; 0: no light arrives
+    Float inverse_pdf;  ///< inverse density of wi with respect to solid angle, without the probability of choosing the
+                        ///< light; 1 for delta lights; 0: no light arrives
     Spectrum radiance;  ///< unoccluded incident radiance (delta lights: irradiance at normal incidence)
     Mask is_delta;      ///< delta light, or one that BSDF sampling can't hit: MIS weight 1
-    /// The lane's radiance is to be multiplied by the environment's along wi if the ray is unoccluded; see
-    /// LightSampler.
+    /// approximate luminance of that environment radiance, for decisions before it is looked up
     Mask needs_environment_radiance = Mask(false);
     Float likely = Float(1);  ///< approximate luminance of that environment radiance
     UInt light = UInt(0u);    ///< index of the light
 };
 
-/// Lanes whose light is of the wanted kind.
+/// Returns the lanes whose light is of the wanted kind.
 inline Mask is_kind(UInt kind, LightRecordKind wanted)
 {
     return kind == UInt(std::uint32_t(wanted));
@@ -49,7 +48,7 @@ struct LightKindList {
 using LightKinds = LightKindList<RectangleLight, ParallelogramLight, TriangleLight, DiskLight, SphereLight, PointLight,
                                  SpotLight, DirectionalLight, PicturedLight, BeamLight, TubeLight>;
 
-/// sample_light for lanes that include lights other than rectangles.
+/// sample_light() for gangs with lights other than rectangles.
 template <class Light>
 [[gnu::noinline]] LightSample sample_any_light(const Light& light, Vec3 p, Float time, Sample2 random, Mask active)
 {
@@ -89,7 +88,7 @@ namespace detail {
 template <class Kind, class Light>
 concept HasAngularDensity = requires(const Light& light, Vec3 p) { Kind::by_solid_angle(light, p); };
 
-/// Densities of the lanes by_solid_angle, whose lights are not sampled uniformly by area; by_area in the others.
+/// Densities in lanes whose lights are not sampled uniformly by area; by_area in the other lanes.
 template <class Light>
 [[gnu::noinline]] Float pdf_by_solid_angle(const Light& light, Vec3 p, Float time, Float by_area, Mask by_solid_angle)
 {

@@ -24,11 +24,12 @@ enum class LightPictureMap : std::uint32_t {
 /// Image that multiplies a light's intensity by direction. Lanes read it as 8 words.
 struct LightPictureRecord {
     enum Flags : std::uint32_t { nearest = 1, flat_field = 2 };
-    std::uint32_t map = 0;    ///< one of LightPictureMap
-    std::uint32_t flags = 0;  ///< some of Flags; flat_field: divided by the cubed cosine to the axis
+    std::uint32_t map = 0;  ///< one of LightPictureMap
+    std::uint32_t flags =
+        0;  ///< combination of Flags; flat_field: the image is divided by the cubed cosine to the axis
     std::uint32_t first = 0;  ///< index of the first texel in LightTables::picture_texels
     float width = 0, height = 0;
-    float scale_u = 0, scale_v = 0;  ///< plane: from tangents to half of the image; angles: texels per radian
+    float scale_u = 0, scale_v = 0;  ///< plane: factor from tangents to half images; angles: texels per radian
     float start = 0;                 ///< angles: angle from the axis of the first row, radians
 };
 static_assert(sizeof(LightPictureRecord) == 8 * sizeof(float));
@@ -38,27 +39,29 @@ static_assert(sizeof(LightPictureRecord) == 8 * sizeof(float));
 struct LightRecord {
     enum Flags : std::uint32_t {
         two_sided = 1,
-        not_hit_by_rays = 2,  ///< no ray hits it: MIS weight 1
+        not_hit_by_rays = 2,  ///< no ray hits the light, so its MIS weight is 1
     };
     enum Motion : std::uint32_t {
         vertices_move = 1,  ///< a triangle whose vertices move
-        placed = 2,         ///< geometry is in the space of an instance, which moves or whose vertices do
+        placed = 2,         ///< the geometry is in the space of an instance that moves or whose vertices move
         has_poses = 4,      ///< a light without a surface: `instance` has the format of InstanceRecord::poses, and the
                             ///< record of its kind is in the space of its node
         flipped = 8,        ///< a triangle's normal is opposite to cross(edge_u, edge_v)
     };
     static constexpr std::size_t own_words = 21;  ///< size of the record of a kind
 
-    std::uint32_t kind = 0;               ///< one of LightRecordKind
-    float pmf = 0;                        ///< probability of selection by power
-    std::array<float, own_words> own{};   ///< bits of the record of its kind, such as RectangleLightRecord
-    float radiance[channels] = {};        ///< or intensity, or irradiance: its kind says which
-    std::uint32_t flags = 0;              ///< some of Flags
-    std::uint32_t material = no_index;    ///< material whose emission texture or alpha scales radiance, or no_index
-    std::uint32_t primitive = no_index;   ///< primitive that emits, or no_index
-    std::uint32_t instance = no_index;    ///< instance of the primitive, or no_index; with has_poses: its poses
-    std::uint32_t tree_place = no_index;  ///< position in the light tree: node * LightNode::width + slot
-    std::uint32_t motion = 0;             ///< some of Motion; 0: static, or a sphere in linear motion
+    std::uint32_t kind = 0;              ///< one of LightRecordKind
+    float pmf = 0;                       ///< probability of selection by power
+    std::array<float, own_words> own{};  ///< bits of the record of its kind, such as RectangleLightRecord
+    float radiance[channels] = {};       ///< radiance, intensity or irradiance, depending on the kind
+    std::uint32_t flags = 0;             ///< combination of Flags
+    std::uint32_t material = no_index;   ///< material whose emission texture or alpha scales radiance, or no_index
+    std::uint32_t primitive = no_index;  ///< primitive that emits, or no_index
+    std::uint32_t instance =
+        no_index;  ///< instance of the primitive, or no_index; with has_poses: the poses of the light
+    std::uint32_t tree_place =
+        no_index;  ///< position in the light tree: node * LightNode::width + slot; no_index outside the tree
+    std::uint32_t motion = 0;  ///< combination of Motion; 0: static, or a sphere in linear motion
 
     /// Sets the kind and the record of the kind.
     template <class Own>
@@ -70,7 +73,7 @@ struct LightRecord {
         // The byte of an empty record has no value.
         if constexpr (!std::is_empty_v<Own>) std::memcpy(own.data(), &record, sizeof record);
     }
-    /// The record of the kind, which must be the light's.
+    /// Returns the record, whose type must be that of the light's kind.
     template <class Own>
     Own get() const
     {
@@ -97,7 +100,7 @@ struct alignas(64) LightNode {
     Column cos_normals, sin_normals;  ///< largest angle between normals and the axis
     Column cos_emission;              ///< largest angle between emission and normal
     Column back;                      ///< -1 if some emitter is two-sided, else 1
-    Column intensity;                 ///< sum of maximum intensities; 1 for the whole tree
+    Column intensity;                 ///< sum of the maximum intensities of all emitters; 1 for the whole tree
     std::uint32_t child[width];       ///< index of a light if is_light is set, else of a node
     std::uint32_t count = 0;          ///< number of children
     std::uint32_t parent = no_index;  ///< position of the node in its parent, as LightRecord::tree_place
@@ -107,27 +110,27 @@ struct alignas(64) LightNode {
 
 /// The environment light: constant, gradient, or an equirectangular image with its sampling distribution.
 struct EnvironmentRecord {
-    std::uint32_t kind = 0;  ///< EnvironmentKind
+    std::uint32_t kind = 0;  ///< value of EnvironmentKind
     std::uint32_t light = no_index;
     Rgb color{}, bottom{}, top{};
     std::array<float, 9> environment_from_render{1, 0, 0, 0, 1, 0, 0, 0, 1};
     LargeVector<float> texels;  ///< image: four floats per texel
     int width = 0, height = 0;
-    double mean_luminance = 0;  ///< of an image that is sampled as a light; else 0
+    double mean_luminance = 0;  ///< mean luminance of an image that is sampled as a light; else 0
     /// Linear fit for such an image: a direction sampled with density pdf has a luminance of about base_luminance + pdf
     /// * luminance_per_pdf.
     float base_luminance = 0, luminance_per_pdf = 0;
     /// Image: cumulative distributions for sampling, over rows and over the columns of each row: (height + 1) and
     /// height * (width + 1) floats.
     LargeVector<float> marginal, conditional;
-    LargeVector<std::uint32_t> marginal_guide, conditional_guides;  ///< see make_guides
+    LargeVector<std::uint32_t> marginal_guide, conditional_guides;  ///< guide tables for searches, see make_guides()
 };
 
 /// All lights of a scene.
 struct LightTables {
     std::vector<LightRecord> lights;
     std::vector<float> light_cdf;         ///< cumulative selection probabilities by power: lights + 1 values, 0 to 1
-    LargeVector<LightNode> light_tree;    ///< over the first `positioned_lights` lights; node 0 is the root
+    LargeVector<LightNode> light_tree;    ///< light tree over the first `positioned_lights` lights; node 0 is the root
     std::uint32_t positioned_lights = 0;  ///< number of lights with a position, which come first: all but directional
                                           ///< lights and the environment
     EnvironmentRecord environment;

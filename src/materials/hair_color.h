@@ -23,7 +23,7 @@ inline Float hair_color_fit(Float roughness)
 
 }  // namespace detail
 
-/// Absorption of a fiber over its radius, per channel, for which a volume of such hairs shows `color`. beta_n:
+/// Absorption of a fiber over its radius, per channel, for which a volume of such hairs has the color `color`. beta_n:
 /// azimuthal roughness, 0.01 to 1.
 inline Spectrum hair_absorption(const Spectrum& color, Float beta_n)
 {

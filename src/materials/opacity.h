@@ -8,7 +8,7 @@ inline namespace FATHOM_LANES {
 /// Opacity of a surface: the fraction of rays that its alpha stops, 0 to 1. Alpha modes opaque, mask and blend are
 /// those of glTF.
 ///
-/// material  index into ShadingTables::materials, per lane
+/// material  index into ShadingTables::materials, for each lane
 inline Float opacity(const ShadingTables& tables, UInt material, const TexturePoint& at, Mask m)
 {
     Float share(1.f);

@@ -7,36 +7,36 @@
 namespace fathom {
 inline namespace FATHOM_LANES {
 
-/// The leading words of each lane's material.
+/// The leading words of the material record of each lane.
 using MaterialRow = RecordRow<MaterialRecord, MaterialRecord::row_words>;
 
-/// Reads the parameters of a closure, textures applied: the Record that MaterialRecord::parameters holds for the
+/// Reads the parameters of a closure, with textures applied: the Record that MaterialRecord::parameters holds for the
 /// material of each lane.
 template <class Record>
 class ParameterReader {
 public:
-    /// material: index per lane of m; textured: lanes of m whose material has MaterialFeature::textured
+    /// material: index, for the lanes of m; textured: lanes of m whose material has MaterialFeature::textured
     ParameterReader(const ShadingTables& tables, const MaterialRow& row, const TexturePoint& at, UInt material, Mask m,
                     Mask textured)
         : t_(tables), row_(row), at_(at), material_(material), m_(m), textured_(textured)
     {
     }
 
-    /// Lanes that are read and whose `flags` have a bit.
+    /// Lanes that are read and whose `flags` have the bit.
     [[gnu::always_inline]] Mask has_flag(std::uint32_t flag) const
     {
         return m_ & ((get(&Record::flags) & UInt(flag)) != UInt(0u));
     }
-    /// A member. The first words of a record are loaded with the row; others cost a gather.
+    /// Returns a member. The first words of a record were loaded with the row; others cost a gather.
     [[gnu::always_inline]] Float get(float Record::* member) const { return word(place(member)); }
     [[gnu::always_inline]] UInt get(std::uint32_t Record::* member) const { return float_bits(word(place(member))); }
-    /// A member times one channel of its texture, if it has one.
+    /// Returns a member times one channel of its texture, if it has one.
     [[gnu::always_inline]] Float number(float Record::* member, NumberTexture Record::* texture) const
     {
         return textured(get(member), place(texture));
     }
-    /// A color times its texture in the lanes of m, else 1. Most materials lack such a color, so it is no part of the
-    /// row.
+    /// Returns a color times its texture in the lanes of m, else 1. Most materials lack such a color, so it is not part
+    /// of the row.
     [[gnu::noinline]] Spectrum color(Rgb Record::* member, std::uint32_t Record::* texture, Mask m) const
     {
         const Texel t = evaluate_textures(t_, gathered(place(texture), m), at_, m);

@@ -18,28 +18,28 @@ namespace fathom {
 
 /// Memory layout of an image's texels. Each image takes the smallest format that holds every value exactly.
 enum class TexelFormat : std::uint32_t {
-    float4,      ///< four floats, in ShadingTables::texels
-    bytes,       ///< one word of packed_images: red in the lowest byte, alpha in the highest, 255 is 1
-    bytes_srgb,  ///< as bytes, but red, green and blue are sRGB codes, decoded by ShadingTables::linear_of_srgb
-    halves,      ///< two words: red and green, blue and alpha; the lower half first
-    shorts,      ///< two words of 16-bit integers in the order of halves; 65535 is 1
+    float4,      ///< four floats per texel, in ShadingTables::texels
+    bytes,       ///< one word of packed_images per texel: red in the lowest byte, alpha in the highest; 255 is 1
+    bytes_srgb,  ///< like bytes, but red, green and blue are sRGB codes, decoded by ShadingTables::linear_of_srgb
+    halves,      ///< two words of halves per texel: red and green, blue and alpha; the lower half first
+    shorts,      ///< two words of 16-bit integers per texel, in the order of halves; 65535 is 1
 };
 
 /// A texture node of any kind; each kind reads only the members it needs.
 struct TextureRecord {
-    std::uint32_t kind = 0;  ///< TextureKind
-    // Image: texel format, offset into ShadingTables::texels (in units of four floats) or index into packed_images,
-    // size in texels, wrap modes.
-    std::uint32_t format = 0;  ///< TexelFormat
+    std::uint32_t kind = 0;  ///< value of TextureKind
+    // Members of image textures: texel format, offset into ShadingTables::texels (in units of four floats) or index
+    // into packed_images, size in texels, wrap modes.
+    std::uint32_t format = 0;  ///< value of TexelFormat
     std::uint64_t texels = 0;
     int width = 0, height = 0;
     std::uint32_t wrap_u = 0, wrap_v = 0, nearest = 0;
     std::uint32_t uv_set = 0;
     std::array<float, 6> uv_map{1, 0, 0, 0, 1, 0};  ///< two rows of an affine map: texture uv from mesh uv
-    std::uint32_t mapping = 0;                      ///< TextureMapping
+    std::uint32_t mapping = 0;                      ///< value of TextureMapping
     std::uint32_t space = no_index;                 ///< index into ShadingTables::texture_spaces; no_index: world space
     float scale = 1, turbulence_weight = 0, gain = 0.5f;
-    std::array<float, 3> direction{0, 1, 0};  ///< facing: unit vector
+    std::array<float, 3> direction{0, 1, 0};  ///< direction of facing textures; unit vector
     std::uint32_t octaves = 7;
     std::array<float, 4> color_a{}, color_b{};
     std::uint32_t texture_a = no_index, texture_b = no_index;  ///< textures that multiply color_a and color_b
@@ -80,9 +80,9 @@ struct LayersRecord {
         with_subsurface = 1024,
         sheen_reciprocal = 2048,
         diffuse_transmission_added = 4096,
-        two_roughnesses = 8192,  ///< anisotropy holds the roughness along the tangent
+        two_roughnesses = 8192,  ///< set if anisotropy holds the roughness along the tangent
         with_conductor = 16384,
-        textured = 32768  ///< at least one parameter of this record has a texture
+        textured = 32768  ///< set if at least one parameter of this record has a texture
     };
     std::uint32_t features = 0;
     NumberRecord specular, anisotropy, transmission, diffuse_transmission, diffuse_roughness, coat, coat_roughness,
@@ -116,42 +116,42 @@ struct MeasuredTableRecord {
 struct MeasuredRecord {
     std::uint32_t theta = 0, theta_count = 0, phi = 0, phi_count = 0;  ///< indices of the angles in measured_values,
                                                                        ///< and their counts
-    /// Symmetry of the surface, as the number of equivalent directions per measured one: 1 (none), 2 (rotation by half
-    /// a turn), or 4 (mirror images in both axes).
+    /// Symmetry of the surface, as the number of equivalent directions for each measured one: 1 (none), 2 (rotation by
+    /// half a turn), or 4 (mirror images in both axes).
     std::uint32_t symmetry = 1;
     std::uint32_t color_is_per_facet = 1;
     MeasuredTableRecord ndf, sigma, vndf, luminance, color;
-    std::uint32_t unused[3] = {};  ///< padding: RecordRow reads four words at a time
+    std::uint32_t unused[3] = {};  ///< padding, since RecordRow reads four words at a time
 };
 
 /// A material that is one of two others at each intersection.
 struct MixtureRecord {
     std::uint32_t first = 0, second = 0;  ///< indices into ShadingTables::materials
-    std::uint32_t by_side = 0;            ///< 1: first on the front, second on the back; 0: chosen at random
+    std::uint32_t by_side = 0;            ///< 1: `first` on the front, `second` on the back; 0: chosen at random
     NumberRecord factor;                  ///< probability of the second material
 };
 
-/// A feature of a material, whatever its closure.
+/// A feature of a material that does not depend on its closure.
 enum class MaterialFeature : std::uint32_t {
-    textured,  ///< color or a number of the closure's record has a texture or vertex colors
+    textured,  ///< the color or a number of the closure's record has a texture or vertex colors
     normal_mapped,
     vertex_colored,
     emits,
     two_sided_emission,
-    unlit,  ///< visible to camera and mirror rays, but lights no other surface
+    unlit,  ///< visible to camera and mirror rays, but does not illuminate other surfaces
     thin,
     needs_tangent,    ///< needs the surface's tangent, for normal maps or anisotropy
-    single_sided,     ///< camera rays pass through its back
-    one_sided,        ///< reflects nothing on its back
+    single_sided,     ///< camera rays pass through the back
+    one_sided,        ///< the back reflects nothing
     absorbing_fiber,  ///< base_color is the absorption of a fiber over its radius; requires a HairRecord
     bumped,           ///< bump mapped: shading normals are tilted by the slope of `bump`
-    /// needs texture coordinates though not `textured`: hair, emission maps, and textures of records in other tables
+    /// needs texture coordinates although not `textured`: hair, emission maps, and textures of records in other tables
     needs_uv,
     index_matched_boundary,  ///< boundary of a solid of index 1, which only separates media
     pane,                    ///< smooth thin glass, which shadow rays pass
     hidden_from_camera,
     invisible_light,  ///< emits, but rays pass through it
-    map_tangents,     ///< tangents follow the texture coordinates of each map instead of those of the mesh
+    map_tangents,     ///< tangents follow the texture coordinates of each map instead of the mesh's first set
     subsurface        ///< light passes into a subsurface medium; the closure has a LayersRecord
 };
 
@@ -161,14 +161,14 @@ constexpr MaterialFeatures operator|(MaterialFeature a, MaterialFeature b)
     return MaterialFeatures(a) | MaterialFeatures(b);
 }
 
-/// A material: what all materials have, and the parameters of its closure.
+/// A material: the members that all materials have, and the parameters of its closure.
 struct MaterialRecord {
     // The members up to the first words of `parameters` are read together for each vertex of a path: see row_words.
     MaterialFeatures features;
     Rgb base_color{};  ///< reflectance; glass: transmittance; see also MaterialFeature::absorbing_fiber
     std::uint32_t base_texture = no_index, normal_texture = no_index;
     float normal_scale = 1;
-    /// The closure's own record (closures/records.h), as words: see set_parameters.
+    /// The closure's own record (closures/records.h), as words; see set_parameters().
     std::array<std::uint32_t, 11> parameters{};
 
     ClosureKind closure = ClosureKind::none;
@@ -176,10 +176,10 @@ struct MaterialRecord {
                                        ///< apply then
     Rgb emission{};
     std::uint32_t emission_texture = no_index;
-    std::uint32_t alpha_mode = 0;  ///< AlphaMode
+    std::uint32_t alpha_mode = 0;  ///< value of AlphaMode
     float alpha = 1, alpha_cutoff = 0;
     std::uint32_t alpha_texture = no_index, alpha_channel = 3;
-    NumberRecord bump;         ///< height above the surface, in units of render space
+    NumberRecord bump;         ///< height above the surface, in render space
     std::uint32_t medium = 0;  ///< index into MediaTables: interior of a solid; 0: not a solid
     /// Index of the medium that light enters through the subsurface lobe, which may differ from the one that refracted
     /// light enters; 0: none.
@@ -198,7 +198,7 @@ struct MaterialRecord {
         static_assert(sizeof(Record) <= sizeof(parameters) && std::is_trivially_copyable_v<Record>);
         std::memcpy(parameters.data(), &record, sizeof record);
     }
-    /// The record of the closure, which must be a Record.
+    /// Returns the record of the closure, whose type must be Record.
     template <class Record>
     Record parameters_as() const
     {
@@ -228,8 +228,8 @@ struct ShadingTables {
     std::vector<TextureRecord> textures;
     std::vector<RampStopRecord> ramp_stops;
     std::vector<TextureSpaceRecord> texture_spaces;
-    LargeVector<float> texels;                              ///< images of format float4, four floats per texel
-    std::vector<std::vector<std::uint32_t>> packed_images;  ///< images of all other formats, one array each
+    LargeVector<float> texels;                              ///< images of format float4
+    std::vector<std::vector<std::uint32_t>> packed_images;  ///< images of all other formats, one vector each
     std::array<float, 256> linear_of_srgb{};
 };
 

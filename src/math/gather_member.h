@@ -47,7 +47,8 @@ inline Vec3 gather_vector(const float* base, UInt at, Mask m)
     return {row[0], row[1], row[2]};
 }
 
-/// The first n words of each lane's record. Lanes outside the mask hold those of record 0, or 0 if the mask is empty.
+/// The first n words of the record of each lane. Lanes outside the mask hold those of record 0, or 0 if the mask is
+/// empty.
 template <class Record, int n>
 struct RecordRow {
     [[gnu::always_inline]] RecordRow(const std::vector<Record>& records, UInt index, Mask m)

@@ -21,8 +21,8 @@ inline LargeVector<std::uint32_t> make_guides(const LargeVector<float>& tables, 
 {
     const std::uint32_t size = guide_size(n);
     const std::size_t count = tables.size() / (std::size_t(n) + 1);
-    // The product of a float with `size` may round up into the next entry; the margin keeps the right interval in
-    // reach.
+    // The product of a float with `size` may round up into the next entry; the margin keeps the right interval in the
+    // entry.
     constexpr double rounding = 1e-6;
     LargeVector<std::uint32_t> guides(count * size);
     for (std::size_t t = 0; t < count; ++t) {

@@ -7,7 +7,7 @@
 namespace fathom {
 inline namespace FATHOM_LANES {
 
-/// Reverses the bits of one number: the scalar counterpart of reverse_bits().
+/// Reverses the bits of one number; the scalar counterpart of reverse_bits().
 inline std::uint32_t reverse_bits_scalar(std::uint32_t x)
 {
     x = (x & 0x55555555u) << 1 | (x >> 1 & 0x55555555u);

@@ -39,7 +39,8 @@
 #if FATHOM_LANE_PAIRS
 #include "math/lanes_pair.h"
 #else
-// Using declarations name each operation because arguments of type float (the base build) have no associated namespace.
+// Each operation is named by a using declaration, because arguments of type float (in the base build) have no
+// associated namespace.
 namespace fathom {
 inline namespace FATHOM_LANES {
 using native::any;
@@ -102,7 +103,7 @@ inline Float copysign(Float a, Float b)
 {
     return bits_float((float_bits(a) & UInt(0x7fffffffu)) | (float_bits(b) & UInt(0x80000000u)));
 }
-/// a with its sign flipped where b is negative or -0.
+/// Returns a with its sign flipped if b is negative or -0.
 inline Float flip_sign(Float a, Float b) { return bits_float(float_bits(a) ^ (float_bits(b) & UInt(0x80000000u))); }
 inline Float clamp(Float a, Float lo, Float hi) { return min(max(a, lo), hi); }
 inline Mask equal(Mask a, Mask b) { return (a & b) | !(a | b); }
@@ -110,8 +111,8 @@ inline bool all(Mask m) { return none(!m); }
 inline int count(Mask m) { return std::popcount(mask_bits(m)); }
 
 /// Reciprocal 1 / a to within 2 ulp, for normal a > 0 with a normal reciprocal. It consists of multiplications, which
-/// pipeline where a division stalls. The initial guess is integer arithmetic because the estimates of processors differ
-/// by vendor.
+/// pipeline, whereas a division stalls. The initial guess is integer arithmetic because the estimates of processors
+/// differ by vendor.
 inline Float reciprocal(Float a)
 {
     // Mirroring the exponent gives a guess with an error below 12 %; each step cubes the error.

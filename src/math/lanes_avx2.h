@@ -141,7 +141,7 @@ inline void gather_row(const float* base, UInt index, Float (&row)[n])
 
 namespace table {
 
-/// For each mask of 8 lanes: the indices of its set lanes packed side by side, one byte each.
+/// Indices of the set lanes of each mask of 8 lanes, packed side by side, one byte each.
 inline constexpr auto compress_table = [] {
     std::array<std::uint64_t, 256> table{};
     for (unsigned mask = 0; mask < 256; ++mask)
@@ -213,7 +213,7 @@ inline float least(Float a)
     x = _mm_min_ps(x, _mm_movehl_ps(x, x));
     return _mm_cvtss_f32(_mm_min_ss(x, _mm_movehdup_ps(x)));
 }
-/// out[i] = the minimum over the lanes of x[i].
+/// Sets out[i] to the minimum over the lanes of x[i].
 inline void reduce_min_each(const Float (&x)[16], float (&out)[16])
 {
     // singles(a, b) leaves partial minima of a and b in alternating lanes (a b a b ...); doubles extends that to a b c

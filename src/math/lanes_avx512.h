@@ -172,7 +172,7 @@ inline UInt lookup(const std::uint32_t* table, int n, UInt index)
 }
 /// The minimum over all lanes.
 inline float least(Float a) { return _mm512_reduce_min_ps(a.v); }
-/// out[i] = the minimum over the lanes of x[i].
+/// Sets out[i] to the minimum over the lanes of x[i].
 inline void reduce_min_each(const Float (&x)[16], float (&out)[16])
 {
     // singles(a, b) leaves partial minima of a and b in alternating lanes (a b a b ...); doubles extends that to a b c

@@ -33,7 +33,7 @@ inline Float sqrt(Float a) { return std::sqrt(a); }
 inline Float floor(Float a) { return std::floor(a); }
 inline Float min(Float a, Float b) { return a < b ? a : b; }
 inline Float max(Float a, Float b) { return a > b ? a : b; }
-/// m ? a : b in each lane.
+/// Returns m ? a : b in each lane.
 inline Float select(Mask m, Float a, Float b) { return m ? a : b; }
 inline UInt select(Mask m, UInt a, UInt b) { return m ? a : b; }
 /// Reinterprets the bits of a float as an integer; bits_float() is the inverse.
@@ -46,20 +46,21 @@ inline UInt to_uint(Float a) { return UInt(std::int32_t(a)); }
 /// Signed comparison a < b.
 inline Mask less(UInt a, UInt b) { return std::int32_t(a) < std::int32_t(b); }
 
-/// base[index] in each lane.
+/// Loads base[index] in each lane.
 inline Float gather(const float* base, UInt index) { return base[index]; }
 inline UInt gather(const std::uint32_t* base, UInt index) { return base[index]; }
-/// base[index] in the lanes of m; other lanes read nothing and get 0.
+/// Loads base[index] in the lanes of m; other lanes read nothing and get 0.
 inline Float gather(const float* base, UInt index, Mask m) { return m ? base[index] : 0.f; }
 inline UInt gather(const std::uint32_t* base, UInt index, Mask m) { return m ? base[index] : 0u; }
-/// row[k] = base[index + k] for k < n; n is 2, 3 or 4. Faster than n gathers because each lane reads its row at once.
+/// Loads row[k] = base[index + k] for k < n; n is 2, 3 or 4. It is faster than n gathers because each lane reads its
+/// row at once.
 template <int n>
 inline void gather_row(const float* base, UInt index, Float (&row)[n])
 {
     for (int k = 0; k < n; ++k) row[k] = base[std::size_t(index) + std::size_t(k)];
 }
-/// Stores the lanes of the mask side by side from p on. May write up to `lanes` elements; those past the last lane are
-/// undefined.
+/// Stores the lanes of the mask side by side from p on. It may write up to `lanes` elements, of which those past the
+/// last lane of the mask are undefined.
 inline void compress_store(float* p, Float a, Mask m)
 {
     if (m) *p = a;
@@ -84,7 +85,7 @@ inline Float lookup(const float* table, int, UInt index) { return table[index & 
 inline UInt lookup(const std::uint32_t* table, int, UInt index) { return table[index & 31]; }
 /// The minimum over all lanes.
 inline float least(Float a) { return a; }
-/// out[i] = the minimum over the lanes of x[i].
+/// Sets out[i] to the minimum over the lanes of x[i].
 inline void reduce_min_each(const Float (&x)[16], float (&out)[16])
 {
     for (int i = 0; i < 16; ++i) out[i] = x[i];

@@ -6,7 +6,7 @@
 namespace fathom {
 inline namespace FATHOM_LANES {
 
-/// Radiance, or a factor such as throughput, in `channels` channels per lane.
+/// Radiance, or a factor such as throughput, with `channels` channels in each lane.
 struct Spectrum {
     Float c[channels];
 

@@ -14,7 +14,7 @@ inline Spectrum transmittance(const Spectrum& extinction, Float length)
     Spectrum left;
     for (int c = 0; c < channels; ++c) {
         const Float sigma = extinction.c[c];
-        // Transmittance of empty space is 1 over infinite lengths too.
+        // The transmittance of empty space is 1 over infinite lengths, too.
         left.c[c] = select(sigma > Float(0), exp(-(sigma * length)), Float(1));
     }
     return left;
@@ -27,7 +27,8 @@ inline Spectrum transmittance(const Spectrum& extinction, Float length)
 /// Subsurface Scattering for Production Path Tracing".
 class DistanceSample {
 public:
-    /// u, pick: in [0, 1), for the distance and the channel. The throughput is positive in at least one channel.
+    /// u, pick: random numbers in [0, 1) for the distance and the channel. The throughput must be positive in at least
+    /// one channel.
     DistanceSample(const Spectrum& extinction, const Spectrum& throughput, Float u, Float pick)
         : extinction_(extinction)
     {

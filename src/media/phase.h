@@ -8,8 +8,8 @@ inline namespace FATHOM_LANES {
 /// Samples a direction about +z, the direction of travel, by the phase function of Henyey and Greenstein 1941: (1 -
 /// g^2) / (4 pi (1 + g^2 - 2 g cos)^1.5). anisotropy: g, the mean cosine, in [-0.99, 0.99].
 ///
-/// The inverse is cos = (1 + g^2 - ((1 - g^2) / (1 + g x))^2) / 2g with x in [-1, 1]. Here the division by g is carried
-/// out symbolically, without the cancellation for small g.
+/// The inverse is cos = (1 + g^2 - ((1 - g^2) / (1 + g x))^2) / 2g with x in [-1, 1]. The division by g is carried out
+/// symbolically, which avoids cancellation for small g.
 inline Vec3 sample_phase(Float anisotropy, Sample2 u)
 {
     const Float g = anisotropy, g2 = g * g, x = fma(u.x, Float(2), Float(-1)), root = fma(g, x, Float(1));
@@ -20,7 +20,7 @@ inline Vec3 sample_phase(Float anisotropy, Sample2 u)
     return {sine * phi.cos, sine * phi.sin, cosine};
 }
 
-/// Density of sample_phase with respect to solid angle. cosine: to the direction of travel.
+/// Density of sample_phase() with respect to solid angle. cosine: cosine of the angle to the direction of travel.
 inline Float phase_pdf(Float anisotropy, Float cosine)
 {
     const Float g = anisotropy, g2 = g * g;

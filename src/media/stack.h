@@ -86,11 +86,11 @@ inline Float medium_ior(const MediaTables& tables, UInt medium, Mask m)
 
 /// The boundary of a solid for a path in the media of a stack.
 struct MediumBoundary {
-    MediumStack beyond;  ///< the stack behind the boundary
+    MediumStack beyond;  ///< the stack beyond the boundary
     Float other_ior;     ///< index of refraction on the solid's other side
-    Mask is_there;       ///< false: the same medium applies on both sides, and the path passes unchanged
+    Mask is_there;       ///< false if the same medium applies on both sides, so that the path passes unchanged
 
-    /// medium: of the solid; entering: the path comes from outside. For the lanes of m.
+    /// medium: medium of the solid; entering: whether the path comes from outside. Both are for the lanes of m.
     MediumBoundary(const MediaTables& tables, const MediumStack& stack, UInt medium, Mask entering, Mask m)
         : beyond(select(entering, stack.entered(tables, medium, m), stack.left(medium)))
     {

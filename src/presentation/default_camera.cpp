@@ -22,7 +22,7 @@ bool has_camera(const SceneDescription& scene, int index)
            std::any_of(node.children.begin(), node.children.end(), [&](int child) { return has_camera(scene, child); });
 }
 
-/// world_support for a box.
+/// world_support() for a box.
 std::vector<double> reach_of(const Bounds& box, std::span<const Vec3d> directions)
 {
     if (box.empty) return {};
@@ -95,7 +95,7 @@ Camera framing_camera(const SceneDescription& scene, const FramingOptions& optio
     const Vec3d middle = options.orbit_center.value_or(Vec3d{});
     std::vector<double> reach = options.orbit_center ? reach_all_around(scene, options, elevation, tan_x, tan_y, middle)
                                                      : reach_along(scene, options, axes.normals(tan_x, tan_y));
-    // A scene without geometry still gets a camera.
+    // The camera needs a position even if the scene has no geometry.
     if (reach.empty()) reach.assign(6, 0);
     const double front = reach[4], depth = front + reach[5];
     double distance = std::max((reach[0] + reach[1]) / (2 * tan_x), (reach[2] + reach[3]) / (2 * tan_y));

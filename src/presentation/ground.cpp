@@ -61,12 +61,12 @@ Material material_of(const Ground& ground, bool studio)
     material.name = "ground";
     material.use_vertex_color = true;
     material.opacity.mode = AlphaMode::blend;
-    // Cameras below the ground see the model through it.
+    // The ground is invisible from below, so that cameras below it see the model.
     material.visibility.camera_backface_culling = true;
     constexpr float gray = 0.5f;
     material.base_color.value = ground.color.value_or(Color{gray, gray, gray});
     if (ground.color || !studio) return material;
-    // No floor reflects enough for a white backdrop: emission provides the rest.
+    // No floor reflects enough to match a white backdrop, so emission provides the rest.
     constexpr double most = 0.8;
     const double white = radiance_of_white_floor();
     const auto reflected = [&](float tone) { return float(std::min(tone / white, most)); };
@@ -79,7 +79,7 @@ Material material_of(const Ground& ground, bool studio)
 
 double height_of_ground(const Bounds& model)
 {
-    // Slightly below the model, to avoid coincident surfaces.
+    // The ground is slightly below the model, to avoid coincident surfaces.
     return model.min.y - 1e-4 * length(model.max - model.min);
 }
 
@@ -95,7 +95,7 @@ bool ground_fits(const Bounds& model, const Camera& camera)
 void add_ground(SceneDescription& scene, const Ground& ground, const Bounds& model, bool studio)
 {
     const Vec3d size = model.max - model.min, middle = (model.min + model.max) * 0.5;
-    // The key light is about 35 degrees high: shadows are 1.5 times as long as objects are high.
+    // The key light is about 35 degrees high, so shadows are 1.5 times as long as objects are high.
     const double shadowed = std::hypot(size.x, size.z) / 2 + 1.5 * size.y, radius = 2 * shadowed;
     if (!(radius > 0)) return;
     Node node;

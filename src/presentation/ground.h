@@ -9,7 +9,7 @@ bool ground_fits(const Bounds& model, const Camera& camera);
 
 /// Adds the ground below `model`, with its shape and material.
 ///
-/// studio  whether the studio lights the scene; only then the floor's color can be chosen to match the backdrop
+/// studio  whether the studio lights the scene; only then can the floor's color match the backdrop
 void add_ground(SceneDescription& scene, const Ground& ground, const Bounds& model, bool studio);
 
 }  // namespace fathom

@@ -49,7 +49,7 @@ double LightingProbe::exposure_ev() const
 
 LightingProbe probe_lighting(const Scene& scene, double aspect)
 {
-    // A few bounces of light, minus the directly visible emission.
+    // The probe renders a few bounces of light and subtracts directly visible emission.
     const Image all = small_picture(scene, aspect, 4), lamps = small_picture(scene, aspect, 0);
     const std::vector<float>&shown = all.find("")->pixels, &own = lamps.find("")->pixels;
     const std::size_t pixels = shown.size() / 4;
@@ -101,7 +101,7 @@ bool has_light(const SceneDescription& scene)
            });
 }
 
-/// Whether all materials are unlit: such scenes are shown as they are, without a probe.
+/// Whether all materials are unlit. Such scenes are shown as they are, without a probe.
 bool is_unlit(const SceneDescription& scene)
 {
     return !scene.materials.empty() && std::all_of(scene.materials.begin(), scene.materials.end(),
@@ -110,7 +110,7 @@ bool is_unlit(const SceneDescription& scene)
 
 /// Adds the ground if it is requested; the scene must then be compiled again.
 ///
-/// fits  whether a studio alone lights the model
+/// fits  whether the model is lit by a studio alone
 void add_ground_if_fitting(EditableScene& edit, LitScene& result, const std::optional<Ground>& ground, bool fits)
 {
     if (!ground || (ground->only_if_visible_from_above && !fits)) return;
@@ -133,9 +133,11 @@ LitScene compile_with_light(EditableScene& edit, LightingMode light, double aspe
                             const std::optional<Ground>& ground)
 {
     const SceneDescription& scene = edit.description();
-    // If less of the visible surface is lit, exposure would only show a lamp and its surroundings.
+    // Minimum fraction of the visible surface that must be lit; with less, exposure would only show a lamp and its
+    // surroundings.
     constexpr double min_lit = 0.4;
-    // If emissive surfaces would need more exposure, they would become white and their labels unreadable.
+    // Maximum exposure for scenes lit by emissive surfaces: with more, these would become white and their labels
+    // unreadable.
     constexpr double max_stops_for_surfaces = 2;
     const bool lit = has_light(scene), own_light = scene.hints.own_light || light == LightingMode::file;
     const bool lamps = has_lamps(scene);
@@ -176,7 +178,7 @@ LitScene compile_with_light(EditableScene& edit, LightingMode light, double aspe
     }
     add_ground_if_fitting(edit, result, ground, false);
     if (result.ground) result.scene = edit.compile(warnings);
-    // Small deviations are taken as intended.
+    // Deviations below half a stop are taken as intended.
     const double stops = std::round(2 * look.exposure_ev()) / 2;
     if (std::abs(stops) < 1.5) return result;
     result.exposure_ev = stops;

@@ -21,7 +21,8 @@ constexpr int pixels_across = 64;
 struct LampView {
     Camera camera;
     Vec3d axis;
-    double cos_cone = -1;  ///< directions farther from the axis get no light; -1: emits in all directions
+    double cos_cone =
+        -1;  ///< cosine of the emission cone, outside of which there is no light; -1: emits in all directions
 };
 
 Camera looking_along(Vec3d position, Vec3d direction)
@@ -37,7 +38,7 @@ class LampViews {
 public:
     LampViews(const SceneTables& tables, const std::function<Bounds()>& bounds) : t_(tables), bounds_(bounds) {}
 
-    /// The view of a light that rays cannot hit; nothing for other lights.
+    /// Returns the view of a light that rays cannot hit; nothing for other lights.
     std::optional<LampView> of(const LightRecord& light)
     {
         if (light.primitive != no_index || LightRecordKind(light.kind) == LightRecordKind::environment) return {};
@@ -95,8 +96,8 @@ private:
     const std::function<Bounds()>& bounds_;
 };
 
-/// Whether the surface transmits light only by smooth refraction: it blocks shadow rays, and connections through it are
-/// impossible.
+/// Whether the surface transmits light only by smooth refraction. It then blocks shadow rays, and connections through
+/// it are impossible.
 bool refracts_smoothly(const ShadingTables& tables, const MaterialRecord& m)
 {
     constexpr float rough = 0.0316228f;  // the square root of the alpha below which microfacets are treated as mirrors
@@ -118,7 +119,7 @@ bool refracts_smoothly(const ShadingTables& tables, const MaterialRecord& m)
     }
 }
 
-/// Numbers of hits on refracting surfaces and on all surfaces.
+/// Numbers of hits: on refracting surfaces, and on all surfaces.
 struct Seen {
     std::size_t glass = 0, all = 0;
 };

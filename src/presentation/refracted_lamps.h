@@ -12,8 +12,9 @@ namespace fathom {
 /// Neither next event estimation nor BSDF sampling can connect such a light with a surface through a smooth refracting
 /// boundary, so its light behind the boundary is missing from the image.
 struct RefractedLamps {
-    std::size_t lamps = 0;      ///< number of delta lights
-    std::size_t hidden = 0;     ///< those enclosed by glass: hardly any of their light hits something else first
+    std::size_t lamps = 0;  ///< number of delta lights
+    std::size_t hidden =
+        0;  ///< number of lights enclosed by glass: hardly any of their light hits something else first
     double light_on_glass = 0;  ///< fraction of these lights' lit directions that hit glass first
 };
 

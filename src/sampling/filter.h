@@ -16,7 +16,7 @@ struct FilterTable {
     /// the inverse is steep.
     float inverse[size + 1];
 
-    /// Fill the table for one of the filters.
+    /// Fills the table for one of the filters.
     void make_gaussian();
     void make_blackman_harris();
     void make_tent();

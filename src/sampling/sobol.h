@@ -46,7 +46,7 @@ inline UInt sobol1_reversed(UInt i)
     return i;
 }
 
-/// Maps to [0, 1) with 24 bits, so that 1 is never reached.
+/// Maps bits to [0, 1) with a precision of 24 bits, so that 1 is never reached.
 inline Float unit_float(UInt bits)
 {
     return to_float(bits >> 8) * Float(0x1p-24f);

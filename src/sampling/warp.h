@@ -25,7 +25,7 @@ inline DiskPoint sample_disk(Sample2 u)
     const Mask first = abs(a) > abs(b);
     const Float r = select(first, a, b);
     const Float ratio = select(r != Float(0), select(first, b, a) / r, Float(0));
-    // The angle is phi = ratio / 8 or 1/4 - ratio / 8, in turns.
+    // The angle in turns is ratio / 8 or 1/4 - ratio / 8.
     const SinCos phi = sincos_2pi(select(first, ratio * Float(0.125f), fma(ratio, Float(-0.125f), Float(0.25f))));
     return {r * phi.cos, r * phi.sin};
 }
@@ -47,7 +47,7 @@ inline Vec3 sample_sphere(Sample2 u)
 }
 
 /// Weight of multiple importance sampling (MIS) by the power heuristic, for one sample of each of two strategies: Veach
-/// 1997, eq. 9.13 with beta = 2. Robust for very large densities.
+/// 1997, eq. 9.13 with beta = 2. It is accurate for very large densities.
 inline Float mis_weight(Float pdf, Float other)
 {
     const Float r = other * reciprocal(pdf);

@@ -83,7 +83,7 @@ std::string problem_of(const AnimationChannel& channel)
 std::vector<double> value_at(const AnimationChannel& channel, double time_s)
 {
     const std::size_t n = components(channel), parts = channel.interpolation == Interpolation::cubic ? 3 : 1;
-    /// part  of a cubic key: 0 in-tangent, 1 value, 2 out-tangent
+    /// part  part of a cubic key: 0 in-tangent, 1 value, 2 out-tangent
     const auto key = [&](std::size_t i, std::size_t part) {
         return channel.values.data() + (i * parts + (parts == 3 ? part : 0)) * n;
     };

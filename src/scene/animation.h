@@ -33,7 +33,7 @@ bool same_contents(const Node& a, const Node& b);
 /// Copies shapes, light, camera and children, but not the transform.
 void set_contents(Node& node, const Node& contents);
 
-/// Contents of the rig's hiding nodes: empty where the node that owns them, or a node above it, is invisible.
+/// Contents of the nodes that the rig can hide: empty if the node that owns them, or a node above it, is invisible.
 ///
 /// visible  one entry per node of the rig
 std::vector<std::pair<int, Node>> visible_contents(const AnimationRig& rig, const std::vector<bool>& visible);

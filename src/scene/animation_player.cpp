@@ -270,7 +270,7 @@ AnimationPose AnimationPlayer::pose(double time_s, double shutter_s) const
 
 Bounds world_bounds(SceneDescription scene, const AnimationPlayer& player)
 {
-    // Bounds are sampled at 25 times: positions in between are close to a sampled one.
+    // Number of times at which bounds are sampled; positions in between are close to a sampled one.
     constexpr int times = 25;
     Bounds all;
     for (int i = 0; i < times; ++i) {

@@ -8,7 +8,7 @@ namespace fathom {
 
 /// Index ranges that the parts of an appended scene have in the scene they were appended to.
 struct Appended {
-    int first_node = 0, node_end = 0;  ///< one past the last
+    int first_node = 0, node_end = 0;  ///< node_end: one past the last
     int first_material = 0, material_end = 0;
     std::vector<int> roots;
 };

@@ -28,7 +28,7 @@ struct BoxSink {
         bounds.min = {std::min(bounds.min.x, p.x), std::min(bounds.min.y, p.y), std::min(bounds.min.z, p.z)};
         bounds.max = {std::max(bounds.max.x, p.x), std::max(bounds.max.y, p.y), std::max(bounds.max.z, p.z)};
     }
-    /// Exact for an ellipsoid or ellipse: the points center + a cos + b sin (+ c ...) with half-axes a, b, c.
+    /// Adds an ellipsoid or ellipse exactly: the points center + a cos + b sin (+ c ...) with half-axes a, b, c.
     void ellipsoid(Vec3d center, Vec3d a, Vec3d b, Vec3d c)
     {
         const auto reach = [](double x, double y, double z) { return std::sqrt(x * x + y * y + z * z); };
@@ -113,7 +113,7 @@ void add_displaced(Sink& sink, const Transform& t, const Mesh& mesh, const std::
     }
 }
 
-/// Bounding box of balls; nearly exact after a transform if the balls are many and small.
+/// Bounding box of spheres. After a transform it is only approximate, but nearly exact for many small spheres.
 Bounds bounds_of_spheres(const std::vector<Vec3f>& centers, const std::vector<float>& radii)
 {
     BoxSink box;
@@ -275,7 +275,7 @@ public:
 private:
     static constexpr std::size_t max_times = 9;
 
-    /// time  of the pose; null if no ancestor moves
+    /// time  time of the pose; null if no ancestor moves
     void add_node(const Transform& parent, int index, const double* time, int depth)
     {
         if (index < 0 || index >= int(scene_.nodes.size()) || depth > 256) return;

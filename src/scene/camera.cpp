@@ -20,7 +20,7 @@ std::optional<Transform> find_camera(const SceneDescription& scene, int camera_i
     };
     std::vector<Visit> stack;
     for (auto root = scene.roots.rbegin(); root != scene.roots.rend(); ++root) stack.push_back({*root, {}});
-    // A subtree without the camera has none however it is reached, so shared nodes are visited once.
+    // A subtree without the camera lacks it on every path, so shared nodes are visited only once.
     std::vector<bool> seen(scene.nodes.size());
     while (!stack.empty()) {
         const Visit visit = stack.back();

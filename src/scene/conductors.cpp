@@ -20,7 +20,7 @@ constexpr Conductor known[] = {
     {"titanium", {2.7407f, 2.5418f, 2.2370f}, {3.8143f, 3.4345f, 3.0235f}},
 };
 
-/// `base` and `edge` of ConductorColors for one channel.
+/// Computes `base` and `edge` of ConductorColors for one channel.
 void channel_colors(double eta, double k, float& base, float& edge)
 {
     const double cosine = 1.0 / 7, f0 = conductor_reflectance(1, eta, k);

@@ -13,7 +13,7 @@ struct Conductor {
     Color eta, k;
 };
 
-/// Known metals by name; data from refractiveindex.info (Polyanskiy 2024) at 650, 550 and 450 nm.
+/// Metals that scenes can name; data from refractiveindex.info (Polyanskiy 2024) at 650, 550 and 450 nm.
 std::span<const Conductor> conductors();
 
 /// The conductor's index relative to an adjacent medium with index of refraction `outside`.

@@ -15,8 +15,8 @@ void apply_morph_targets(Mesh& mesh, const std::vector<MorphTarget>& targets, st
 /// Linear blend skinning: moves each vertex by the weighted mean of its joints' transforms. Weights are normalized to a
 /// sum of 1; vertices without weights stay in place. Normals and tangents become unit.
 ///
-/// joints   indices into world_from_mesh, the same number for each vertex
-/// weights  one for each entry of joints
+/// joints   indices into world_from_mesh, as many for each vertex
+/// weights  one weight for each entry of joints
 void apply_skin(Mesh& mesh, std::span<const std::uint16_t> joints, std::span<const float> weights,
                 const std::vector<Transform>& world_from_mesh);
 

@@ -11,7 +11,7 @@ namespace fathom {
 
 namespace {
 
-/// Products of a few values of this size don't overflow float.
+/// Checks the size and the values of a table.
 constexpr float largest_value = 1e10f;
 constexpr int widest = 1 << 12;
 

@@ -21,8 +21,8 @@ struct Pose {
 /// Applications"). The transform must not be singular.
 Pose pose_of(const Transform& t);
 
-/// Spherical linear interpolation of unit quaternions by the shorter way, from a (fraction 0) to b (1); Shoemake 1985,
-/// "Animating Rotation with Quaternion Curves".
+/// Spherical linear interpolation of unit quaternions along the shorter arc, from a (fraction 0) to b (1); Shoemake
+/// 1985, "Animating Rotation with Quaternion Curves".
 std::array<double, 4> slerp(const std::array<double, 4>& a, const std::array<double, 4>& b, double fraction);
 
 /// Interpolates from a (fraction 0) to b (1): translation and stretch linearly, the rotation by turn().

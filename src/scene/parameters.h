@@ -61,13 +61,14 @@ struct Parameter {
     const char* key;      ///< key in scene files
     std::uint32_t kinds;  ///< one bit for each kind that has the parameter
     Member member;
-    const char* meaning;                            ///< one line, with the unit where there is one
-    double least = -unbounded, most = unbounded;    ///< range of the number, or of each channel
-    double unit = 1;                                ///< unit of the file, in units of the description
-    std::span<const char* const> words = {};        ///< names of enumerators or choices in scene files, in order
-    const char* excess = nullptr;                   ///< why a value above `most` is wrong, for the message
-    bool required = false, default_by_use = false;  ///< default_by_use: the default depends on where it is used
-    bool excludes_limits = false;                   ///< `least` and `most` themselves are not allowed
+    const char* meaning;                          ///< description in one line, with the unit if there is one
+    double least = -unbounded, most = unbounded;  ///< range of the number, or of each channel
+    double unit = 1;                              ///< factor from the unit in files to that of the description
+    std::span<const char* const> words = {};      ///< names of enumerators or choices in scene files, in order
+    const char* excess = nullptr;                 ///< reason why a value above `most` is wrong, for the message
+    bool required = false,
+         default_by_use = false;   ///< default_by_use: whether the default depends on where the owner is used
+    bool excludes_limits = false;  ///< whether `least` and `most` themselves are invalid
 
     bool is_of(std::uint32_t kind) const { return kinds >> kind & 1; }
     /// Whether a number of the file is in range. Angles that were converted from floats may exceed it by rounding.

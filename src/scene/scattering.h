@@ -11,7 +11,7 @@ namespace fathom {
 /// albedo) (1980, "Multiple Light Scattering", volume 2). OpenPBR and glTF use the formula with rounded constants,
 /// after Kulla and Conty 2017, "Revisiting Physically Based Shading at Imageworks".
 ///
-/// color       in [0, 1]
+/// color       reflected fraction, in [0, 1]
 /// anisotropy  mean cosine of the phase function, in (-1, 1)
 inline double single_scattering_albedo(double color, double anisotropy)
 {

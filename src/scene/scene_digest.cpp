@@ -134,7 +134,7 @@ void add(PartsText& text, const char* kind, const Owner& owner, std::span<const 
     }
 }
 
-/// Digests by key, for each part.
+/// The digests of each part of a scene, by key.
 using Parts = std::map<std::string, std::map<std::string, std::string>>;
 
 Parts parse(const std::string& text)

@@ -40,7 +40,7 @@ std::pair<double, double> sun_position(double latitude_deg, double longitude_deg
     const double obliquity = (23.4392911 - 0.0130042 * t + 0.00256 * std::cos(node)) * radians_per_degree;
     const double declination = std::asin(std::sin(obliquity) * std::sin(longitude));
     const double right_ascension = std::atan2(std::cos(obliquity) * std::sin(longitude), std::cos(longitude));
-    // Meeus 1998, equations 12.4, 13.5 and 13.6.
+    // The position follows from Meeus 1998, equations 12.4, 13.5 and 13.6.
     const double sidereal = 280.46061837 + 360.98564736629 * days + 0.000387933 * t * t;
     const double hour = (std::fmod(sidereal, 360) + longitude_deg) * radians_per_degree - right_ascension;
     const double latitude = latitude_deg * radians_per_degree;

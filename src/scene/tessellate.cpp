@@ -41,7 +41,7 @@ Mesh disk_mesh(const Disk& disk)
 {
     Mesh mesh;
     const Vec3d n = normalize(disk.normal);
-    // This basis is that of Frame, whose axes define uv on an analytic disk.
+    // This is the basis of Frame, whose axes define uv on an analytic disk.
     const double sign = std::copysign(1.0, n.z), a = -1 / (sign + n.z), b = n.x * n.y * a;
     const Vec3d s{1 + sign * n.x * n.x * a, sign * b, -sign * n.x}, t{b, sign + n.y * n.y * a, -n.y};
     mesh.positions.push_back(to_float(disk.center));

@@ -10,7 +10,7 @@ std::span<const KindName<TextureKind>> texture_kinds();
 std::span<const Parameter<Texture>> texture_parameters();
 /// Whether the texture reads the surface's uv coordinates.
 bool reads_uv(const Texture& texture);
-/// Whether the texture reads the position in Texture::world_from_texture's space.
+/// Whether the texture reads the position in the space of Texture::world_from_texture.
 bool reads_position(const Texture& texture);
 
 }  // namespace fathom

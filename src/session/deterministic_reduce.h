@@ -11,8 +11,8 @@ namespace fathom {
 /// Parallel sum whose result doesn't depend on the number of threads: a fixed number of groups is summed in parallel,
 /// each in order of its parts; then the groups are added in order.
 ///
-/// zero  neutral element; has a method add(Sums)
-/// add   add(part, sums) adds a part to sums
+/// zero  neutral element, which has a method add(Sums)
+/// add   function add(part, sums) that adds a part to sums
 template <class Sums, class Add>
 Sums deterministic_reduce(std::size_t parts, const Sums& zero, const Add& add)
 {

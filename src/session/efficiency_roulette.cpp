@@ -12,12 +12,11 @@ namespace fathom {
 
 namespace {
 
-/// Weight of the global mean in a cube's estimate, in samples.
+/// Weight of the global mean in a cube's estimate, as a number of samples.
 constexpr double samples_of_mean = 32;
-/// Factor of light sample probabilities against the optimum: roulette destroys stratification, so a higher probability
-/// pays.
+/// Light sample probabilities are multiplied by this factor, because roulette destroys stratification.
 constexpr double nee_safety_factor = 1.5;
-/// Factor of survival probabilities against the optimum; measured.
+/// Survival probabilities are multiplied by this factor, which was measured.
 constexpr double survival_safety_factor = 0.7;
 /// Cost of a ray that hits nothing, as a fraction of the cost of a vertex.
 constexpr double miss_cost = 0.5;
@@ -39,7 +38,7 @@ void for_records(const PathStatistics::Part& part, std::size_t samples, const F&
     }
 }
 
-/// Sums per cube: squared light contributions relative to pixel brightness, inverse squared brightness, number of
+/// Sums for each cube: squared light contributions relative to pixel brightness, inverse squared brightness, number of
 /// records.
 struct LightSums {
     std::vector<double> squares, weights, counts;
@@ -67,8 +66,8 @@ LightSums light_sums(const PathStatistics& met, const GuidingTables& tables)
     });
 }
 
-/// Per cube, `factor` times the root mean of the sums, blended with the mean over all cubes where there are few
-/// records.
+/// Returns for each cube `factor` times the root mean of the sums. Cubes with few records are blended with the mean
+/// over all cubes.
 LargeVector<float> roots_of_means(const std::vector<double>& sums, const std::vector<double>& counts, double factor)
 {
     double all = 0, count = 0;
@@ -83,13 +82,13 @@ LargeVector<float> roots_of_means(const std::vector<double>& sums, const std::ve
     return roots;
 }
 
-/// Vertices per path over the variance and the cost of an operation: the scale of squared probabilities.
+/// Returns vertices per path over the variance and the cost of an operation, which scales squared probabilities.
 double time_over_noise(const PathStatistics& met, double cost)
 {
     return met.variance > 0 ? met.vertices / (cost * met.variance) : 0;
 }
 
-/// Sums per region over paths that continued: squared contributions relative to pixel brightness, costs, number of
+/// Sums for each region over paths that continued: squared contributions relative to pixel brightness, costs, number of
 /// records.
 struct PathSums {
     std::vector<double> squares, costs;
@@ -143,7 +142,7 @@ void set_survival_factors(const PathStatistics& met, GuidingTables& tables)
     const double scale = met.variance > 0 ? (met.vertices + miss_cost) / met.variance : 0;
     tables.survival_factors.resize(sums.counts.size());
     for (std::size_t i = 0; i < sums.counts.size(); ++i) {
-        // Regions without data let paths continue.
+        // In regions without data, paths continue.
         const double ratio = sums.costs[i] > 0 ? sums.squares[i] / sums.costs[i] : max_factor;
         tables.survival_factors[i] = float(std::min(survival_safety_factor * std::sqrt(ratio * scale), max_factor));
     }

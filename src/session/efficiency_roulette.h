@@ -17,10 +17,10 @@ inline constexpr double nee_cost = 0.25;
 struct PathStatistics {
     struct Part {
         const GuidingRecords* records;
-        const double* squared_brightness;  ///< by pixel; `samples` consecutive paths belong to one pixel
+        const double* squared_brightness;  ///< indexed by pixel; `samples` consecutive paths belong to one pixel
     };
     std::vector<Part> parts;
-    std::size_t samples = 0;  ///< per pixel
+    std::size_t samples = 0;  ///< number of paths per pixel
     double vertices = 0;      ///< mean number of vertices of a path
     double variance = 0;      ///< variance of a path over the squared brightness of its pixel
 };

@@ -15,25 +15,26 @@ namespace fathom {
 
 namespace {
 
-/// Number of training paths: half the number of pixels, within these limits. Fewer miss much in interiors; a million
-/// take some 100 MB temporarily.
+/// Limits on the number of training paths, which is half the number of pixels. Fewer paths miss much light in
+/// interiors; a million take some 100 MB temporarily.
 constexpr std::size_t min_paths = std::size_t(1) << 18, max_paths = std::size_t(1) << 20;
 /// Each training pixel has several sets of stratified samples with independent random numbers, from which the remaining
-/// noise is estimated. Small images have more sets, then more samples.
+/// noise is estimated. Small images have more sets, and then more samples.
 constexpr std::size_t min_samples = 8, min_sets = 2, max_sets = 256;
 constexpr std::size_t paths_per_job = 4096;
 /// The trial of guided paths uses every n-th training pixel.
 constexpr std::size_t trial_step = 2;
-/// Measured cost of guiding per vertex, as a fraction of an unguided vertex. The absolute cost of about 14 ns is equal;
-/// without a BVH vertices are cheaper.
+/// Measured cost of guiding for a vertex, relative to an unguided vertex. The absolute cost is about 14 ns in both
+/// cases, but vertices are cheaper without a BVH.
 constexpr double guidance_cost = 0.08, guidance_cost_without_tree = 0.22;
 /// Minimum gain for which guiding is used. The estimate is uncertain, and unguided paths gain from stratification with
 /// more samples per pixel than the trial has.
 constexpr double min_gain = 1.05;
-/// Above this fraction of vertices with next event estimation, it is done at every vertex: the decision takes time too.
+/// If next event estimation would be done at more than this fraction of vertices, it is done at all of them, because
+/// the decision takes time, too.
 constexpr double max_light_samples = 0.5;
 
-/// About `count` pixels (or all) on a regular grid over the image.
+/// Selects about `count` pixels (or all) on a regular grid over the image.
 std::vector<std::uint32_t> spread_pixels(int width, int height, std::size_t count)
 {
     const double step = std::sqrt(std::max(1.0, double(width) * height / double(count)));
@@ -45,9 +46,9 @@ std::vector<std::uint32_t> spread_pixels(int width, int height, std::size_t coun
 
 /// Records and costs of the paths of one training pass.
 struct Pass {
-    std::vector<GuidingRecords> parts;   ///< records of the first set's jobs, then of each other set's
-    std::vector<PixelVariance> spreads;  ///< by pixel
-    std::size_t samples = 0;             ///< per pixel and set
+    std::vector<GuidingRecords> parts;   ///< records of the jobs of the first set, followed by those of each other set
+    std::vector<PixelVariance> spreads;  ///< indexed by pixel
+    std::size_t samples = 0;             ///< number of paths per pixel and set
     std::uint64_t paths = 0;
     std::uint64_t vertices = 0, light_samples = 0;
 
@@ -109,7 +110,7 @@ Pass trace(const KernelScene& scene, const CameraRecord& camera, KernelSettings 
     return all;
 }
 
-/// Mean relative variance of paths: variance over squared brightness.
+/// Mean relative variance of paths, that is, of their variance over squared brightness.
 double mean_relative_variance(const std::vector<PixelVariance>& spreads, const std::vector<double>& squares)
 {
     std::vector<double> noise(spreads.size());
@@ -117,7 +118,7 @@ double mean_relative_variance(const std::vector<PixelVariance>& spreads, const s
     return mean_without_outliers(std::move(noise));
 }
 
-/// Combines a pass with the squared brightness of its pixels, which the result refers to.
+/// Combines a pass with the squared brightness of its pixels, to which the result is relative.
 PathStatistics path_statistics(const Pass& pass, const std::vector<double>& squares)
 {
     PathStatistics met;
@@ -132,7 +133,7 @@ PathStatistics path_statistics(const Pass& pass, const std::vector<double>& squa
     return met;
 }
 
-/// Every step-th element.
+/// Returns every step-th element.
 template <class T>
 std::vector<T> every_nth(const std::vector<T>& all, std::size_t step)
 {
@@ -185,7 +186,7 @@ std::shared_ptr<const GuidingTables> train_guiding(const KernelScene& scene, con
     const std::shared_ptr<GuidingTables> tables = make_guiding(parts);
     if (!tables) return nullptr;
     if (plain.light_samples > 0 && !samples_all) set_nee_factors(met, *tables);
-    // From here on paths are guided: costs and contributions are those of the trial.
+    // All later paths are guided, so costs and contributions are those of the trial.
     PathStatistics met_by_all = path_statistics(guided, tried_squares);
     met_by_all.parts.insert(met_by_all.parts.begin(), met.parts.begin(), met.parts.end());
     set_survival_factors(met_by_all, *tables);

@@ -10,10 +10,10 @@ namespace fathom {
 
 namespace {
 
-/// Average number of records per region that the cube size aims at. Smaller cubes were too noisy, larger ones too
-/// coarse.
+/// Target for the average number of records per region, from which the cube size follows. Smaller cubes were too noisy,
+/// larger ones too coarse.
 constexpr double records_per_region = 2500;
-/// Regions with fewer records have no distribution.
+/// Regions with fewer records get no distribution.
 constexpr std::uint32_t min_records = 64;
 /// Every n-th record is used to choose extent and size of the cubes.
 constexpr std::uint32_t thinning = 16;
@@ -26,7 +26,7 @@ constexpr double shared = 0.5;
 /// Probability of uniform directions over the upper hemisphere in every distribution.
 constexpr double even_share = 0.05;
 
-/// Box that contains most records: without 1/200 at either end of each axis.
+/// Box that contains most records; 1/200 of them are left out at either end of each axis.
 struct Extent {
     std::array<float, 3> low, high;
 };

@@ -7,7 +7,7 @@
 
 namespace fathom {
 
-/// Guiding tables of some records, without roulette factors; nullptr if there are too few records.
+/// Makes guiding tables of the records, without roulette factors; returns nullptr if there are too few records.
 std::shared_ptr<GuidingTables> make_guiding(const std::vector<const GuidingRecords*>& parts);
 
 /// Index of a record's region in GuidingTables::regions.
@@ -16,7 +16,7 @@ inline std::size_t region_index(const GuidingRecord& r, const GuidingTables& t)
     return guiding_cube(t, r.position) * guiding_sides + r.side;
 }
 
-/// Smooths sums over neighboring regions: each region gets half of its value from the mean of its side over a block of
+/// Smooths sums over neighboring regions: half of each region's value becomes the mean of its side over a block of
 /// eight cubes. This reduces the noise of regions whose sums depend on few bright records.
 ///
 /// counts  number of records per region

@@ -19,7 +19,7 @@ void check_camera(const CameraRecord& record, const Camera& camera)
 {
     std::array<float, sizeof(CameraRecord) / sizeof(float)> numbers;
     std::memcpy(numbers.data(), &record, sizeof record);
-    // The first member is a flag.
+    // The first number is a flag, which is not checked.
     for (std::size_t i = 1; i < numbers.size(); ++i)
         if (!std::isfinite(numbers[i]) || std::fabs(numbers[i]) > 1e18f)
             throw Error("", fmt::format("camera '{}'", camera.name),

@@ -26,11 +26,11 @@ namespace fathom {
 
 namespace {
 
-/// Samples per task: enough to keep the kernel's pool full, few enough to balance the threads.
+/// Number of samples per task, which keeps the kernel's pool full and still balances the threads.
 constexpr std::uint64_t samples_per_job = 1u << 15;
 /// Target duration of a pass, for progress reports and quick cancellation.
 constexpr double pass_s = 0.4;
-/// A pass of one sample that takes longer can be discarded: cancellation should take at most two seconds.
+/// A pass of a single sample that takes longer can be discarded, since cancellation should take at most two seconds.
 constexpr double longest_pass_s = 0.8;
 /// Light paths per task.
 constexpr std::uint32_t light_paths_per_job = 1u << 14;
@@ -210,7 +210,7 @@ void check_range(SampleRange range)
     if (range.second > max_samples) throw Error("", "", fmt::format("the largest sample index is {}", max_samples - 1));
 }
 
-/// Throws before anything is added to the film: its sums can't be separated afterwards.
+/// Checks before anything is added to the film, because sums can't be separated afterwards. Throws Error.
 void check_new(SampleRange range, const Film& film)
 {
     for (const SampleRange& r : film.samples())
@@ -327,13 +327,13 @@ private:
     const CameraRecord& camera_;
     Crop crop_;
     int threads_;
-    tbb::global_control limit_;  ///< allows more threads than cores if requested
+    tbb::global_control limit_;  ///< allows more threads than cores if they are requested
     tbb::task_arena arena_;
     Workers workers_;
-    double learning_s_ = 0;  ///< summed over threads
+    double learning_s_ = 0;  ///< learning time, summed over threads
 };
 
-/// Allocates sums of a pass beside those of the film; false if memory is short.
+/// Allocates the sums of a pass beside those of the film; returns false if memory is short.
 bool make_pass_words(Film::Data& data, bool is_cropped)
 {
     // Pixels outside a crop must be copied too.

@@ -5,7 +5,7 @@
 namespace fathom {
 inline namespace FATHOM_LANES {
 
-/// Texture coordinates as a color: u is red, v is green. Input for gradients.
+/// Texture coordinates as a color: u is red, v is green. It serves as input of gradients.
 struct CoordinatesTexture {
     static constexpr TextureKind kind = TextureKind::coordinates;
 

@@ -25,7 +25,7 @@ inline Float fbm(Vec3 p, float gain, std::uint32_t octaves)
     return sum;
 }
 
-/// Turbulence: a sum of octaves of |noise|. 0.2 is about the mean of |noise| and stands for the missing octaves.
+/// Turbulence: a sum of octaves of |noise|. 0.2, which is about the mean of |noise|, stands for the omitted octaves.
 inline Float wrinkles(Vec3 p, float gain, std::uint32_t octaves)
 {
     Float sum(0.f);
@@ -46,7 +46,7 @@ inline constexpr float marble_colors[9][3] = {{0.58f, 0.58f, 0.6f}, {0.58f, 0.58
 
 }  // namespace detail
 
-/// Mixes by fBm.
+/// Mixes two colors by fBm.
 struct FbmTexture {
     static constexpr TextureKind kind = TextureKind::fbm;
 
@@ -57,7 +57,7 @@ struct FbmTexture {
     }
 };
 
-/// Mixes by turbulence.
+/// Mixes two colors by turbulence.
 struct WrinkledTexture {
     static constexpr TextureKind kind = TextureKind::wrinkled;
 
@@ -80,7 +80,7 @@ struct WindyTexture {
     }
 };
 
-/// Marble of pbrt: a color spline along y, displaced by fBm.
+/// Marble of pbrt-v4: a color spline along y, displaced by fBm.
 struct VeinedMarbleTexture {
     static constexpr TextureKind kind = TextureKind::veined_marble;
 

@@ -61,7 +61,7 @@ inline Mask apply_wrap_modes(const TextureRecord& t, Float& column, Float& row)
     return inside;
 }
 
-/// filter_texels for the rare wrap modes black and octahedral. x, y: in texels; integers are texel centers.
+/// filter_texels() for the rare wrap modes black and octahedral. x, y: in texels; integers are texel centers.
 template <class Fetch>
 [[gnu::noinline]] Texel filter_across_edges(const TextureRecord& t, Float x, Float y, const Fetch& fetch)
 {

@@ -33,7 +33,7 @@ inline Float fade(Float t)
 }
 
 /// Dot product of an offset from a lattice corner and the corner's gradient. There are 12 gradients, towards the
-/// midpoints of a cube's edges; four of them occur twice.
+/// midpoints of a cube's edges; four of them are used twice.
 inline Float dot_gradient(UInt hashed, Vec3 way)
 {
     const UInt h = hashed & UInt(15u);
@@ -55,7 +55,7 @@ inline Float dot_gradient(UInt hashed, Vec3 way)
     const UInt x = whole(cell.x), y = whole(cell.y), z = whole(cell.z), one(1u);
     const auto mix = [](Float t, Float a, Float b) { return fma(t, b - a, a); };
     const Float u = detail::fade(f.x), v = detail::fade(f.y), w = detail::fade(f.z);
-    // Interpolates along z (line), then y (square), then x.
+    // Interpolates first along z (line), then y (square), then x.
     const auto line = [&](UInt column, float dx, float dy) {
         const Float fx = f.x - Float(dx), fy = f.y - Float(dy);
         return mix(w, detail::dot_gradient(permuted(column + z), {fx, fy, f.z}),

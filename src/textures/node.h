@@ -18,13 +18,13 @@ struct Texel {
 
     /// Luminance by the weights of Rec. 709.
     Float luminance() const { return fma(c[0], Float(0.2126f), fma(c[1], Float(0.7152f), c[2] * Float(0.0722f))); }
-    /// Channel by index, per lane: 0 red to 3 alpha, 4 luminance.
+    /// Channel by index, which may differ between lanes: 0 red to 3 alpha, 4 luminance.
     Float channel(UInt i) const
     {
         const Float plain = select(i == UInt(0), c[0], select(i == UInt(1), c[1], select(i == UInt(2), c[2], c[3])));
         return select(i == UInt(std::uint32_t(luminance_channel)), luminance(), plain);
     }
-    /// Channel i for all lanes.
+    /// Channel by index, which is the same in all lanes.
     Float common_channel(std::uint32_t i) const { return i == std::uint32_t(luminance_channel) ? luminance() : c[i]; }
 };
 
@@ -32,8 +32,8 @@ struct Texel {
 struct TexturePoint {
     Float u[2], v[2];  ///< two uv sets
     Vec3 p_world;
-    Vec3 n_world;           ///< geometric normal, unit; 0 where textures are evaluated before it is known
-    Float vertex_color[4];  ///< white where the mesh has none
+    Vec3 n_world;           ///< unit geometric normal; 0 if textures are evaluated before the normal is known
+    Float vertex_color[4];  ///< white if the mesh has no vertex colors
 };
 
 /// Evaluates textures and the inputs of nodes.

@@ -9,7 +9,8 @@ inline namespace FATHOM_LANES {
 
 namespace detail {
 
-/// Gradient noise: Perlin 2002, "Improving Noise", with a hash of the lattice point instead of a table. About -1 to 1.
+/// Gradient noise in about -1 to 1: Perlin 2002, "Improving Noise", with a hash of the lattice point instead of a
+/// table.
 inline Float perlin_noise(Vec3 p)
 {
     const Vec3 cell{floor(p.x), floor(p.y), floor(p.z)};
@@ -20,7 +21,7 @@ inline Float perlin_noise(Vec3 p)
     const auto corner = [&](std::uint32_t dx, std::uint32_t dy, std::uint32_t dz) {
         const UInt h = hash((x + UInt(dx)) + hash((y + UInt(dy)) + hash(z + UInt(dz)))) & UInt(15);
         const Float fx = f.x - Float(float(dx)), fy = f.y - Float(float(dy)), fz = f.z - Float(float(dz));
-        // Perlin's 12 edge gradients, four of which occur twice.
+        // The gradients are Perlin's 12 edge vectors, four of which occur twice.
         const Float a = select(less(h, UInt(8)), fx, fy);
         const Float b = select(less(h, UInt(4)), fy, select((h == UInt(12)) | (h == UInt(14)), fx, fz));
         return bits_float(float_bits(a) ^ (h << 31)) + bits_float(float_bits(b) ^ ((h >> 1) << 31));
@@ -46,7 +47,7 @@ inline Float turbulence(Vec3 p, std::uint32_t octaves)
 
 }  // namespace detail
 
-/// Mixes by gradient noise in space.
+/// Mixes two colors by gradient noise in space.
 struct NoiseTexture {
     static constexpr TextureKind kind = TextureKind::noise;
 
@@ -57,7 +58,7 @@ struct NoiseTexture {
     }
 };
 
-/// Mixes by turbulence.
+/// Mixes two colors by turbulence.
 struct TurbulenceTexture {
     static constexpr TextureKind kind = TextureKind::turbulence;
 

@@ -42,7 +42,7 @@ struct DotsTexture {
         constexpr float radius = 0.35f, farthest = 0.5f - radius;
         const TextureUv uv(graph.tables, t, at);
         const Float u = uv.u * Float(t.scale), v = uv.v * Float(t.scale);
-        // Cells are centered on integers.
+        // Cells are centered at integer coordinates.
         const Float column = floor(u + Float(0.5f)), row = floor(v + Float(0.5f));
         const auto noise = [&](float du, float dv) {
             return improved_noise({column + Float(du), row + Float(dv), Float(0.5f)});

@@ -5,20 +5,20 @@
 namespace fathom {
 inline namespace FATHOM_LANES {
 
-/// Reads scalar and color parameters of records, textures applied, for a record per lane.
+/// Reads scalar and color parameters of the record of each lane, with textures applied.
 template <class Record>
 class RecordInputs {
 public:
-    /// index: into `records`, for the lanes of m; at: the point at which textures are evaluated
+    /// index: index into `records`, for the lanes of m; at: the point at which textures are evaluated
     RecordInputs(const ShadingTables& tables, const std::vector<Record>& records, const TexturePoint& at, UInt index,
                  Mask m)
         : t_(tables), records_(records), at_(at), index_(index), m_(m)
     {
     }
-    /// Tells whether any of the records has textures; reading is faster where none has.
+    /// Tells whether any of the records has textures; reading is faster if none has.
     void set_textured(bool textured) { textured_ = textured; }
 
-    /// A member of each lane's record.
+    /// Returns a member of the record of each lane.
     template <class Member>
     auto get(Member Record::* member) const
     {
@@ -29,7 +29,7 @@ public:
     {
         return gather(records_, member, part, index_, m_);
     }
-    /// Always inlined: clang 19 takes many minutes to compile a call of it in the AVX-512 kernel.
+    /// Always inlined, because clang 19 takes many minutes to compile a call of it in the AVX-512 kernel.
     [[gnu::always_inline]] Float number(NumberRecord Record::* member) const
     {
         const Float value = get(member, &NumberRecord::value);

@@ -18,7 +18,8 @@ struct VertexColorTexture {
     }
 };
 
-/// Mixes by the abs cosine between the geometric normal and a direction, such as for snow on horizontal surfaces.
+/// Mixes two colors by the abs cosine between the geometric normal and a direction, such as for snow on horizontal
+/// surfaces.
 struct FacingTexture {
     static constexpr TextureKind kind = TextureKind::facing;
 

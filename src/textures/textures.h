@@ -39,7 +39,7 @@ using Textures = TextureList<ImageTexture, CheckerUvTexture, CheckerSpaceTexture
     return Textures::evaluate(*this, t, at, m);
 }
 
-/// Evaluates a texture of each lane's own; 1 in lanes without a texture.
+/// Evaluates the texture of each lane; 1 in lanes without a texture.
 inline Texel evaluate_textures(const ShadingTables& tables, UInt texture, const TexturePoint& at, Mask m)
 {
     const TextureGraph graph(tables);

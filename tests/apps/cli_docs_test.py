@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""docs/cli.md is what the program's own tables of options say.
+"""Checks that docs/cli.md equals the page generated from the program's tables of options.
 
-    cli_docs_test.py CLI_MARKDOWN PAGE
+usage: cli_docs_test.py CLI_MARKDOWN PAGE
 """
 import difflib
 import subprocess

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Prints docs/cli.md: every command and option, from the tables that --help uses. scripts/cli_docs.sh writes the page.
+// Prints docs/cli.md: every command and option, from the tables of --help. scripts/cli_docs.sh writes the page.
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
 #include <algorithm>

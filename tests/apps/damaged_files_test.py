@@ -1,8 +1,10 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Files of every kind, cut short and with bytes changed: each gives a picture, or one line that names the file and no picture.
+"""Tests damaged files of every kind, truncated or with changed bytes: each gives an image, or no image and one line
+that names the file.
 
-damaged_files_test.py PROGRAM SCENES [TIMES [SEED]]    so many cuts and so many changes of each file (default 50)
+damaged_files_test.py PROGRAM SCENES [TIMES [SEED]]    TIMES: number of truncations, and of changes, of each file
+(default 50)
 """
 import json
 import os
@@ -29,7 +31,7 @@ def write(name, content):
 
 
 def glb(image):
-    """A textured pyramid with everything inside, and a camera, a light, a skin of one joint and sparse values."""
+    """A GLB file of a textured pyramid with a camera, a light, a skin of one joint and sparse values."""
     parts, views = [], []
 
     def view(data):
@@ -112,7 +114,7 @@ def dae():
 
 
 def good_files():
-    """Name of the file to damage: the scene to render."""
+    """Writes valid files. Returns for each file to damage the scene that is rendered."""
     shutil.copy(os.path.join(SCENES, "images", "tiles.png"), "picture.png")
     with open("picture.png", "rb") as file:
         write("scene.glb", glb(file.read()))
@@ -132,7 +134,7 @@ def good_files():
     write("model.dae", dae())
     if subprocess.run([PROGRAM, "info", "model.dae"], capture_output=True).returncode == 0:
         files["model.dae"] = "model.dae"
-    # Pictures: in a scene as textures.
+    # Images are damaged as textures of a scene.
     for name in ("t.png", "t.jpg", "t.exr", "t.hdr"):
         subprocess.run([PROGRAM, "render", "scene.glb", "--size", "24x16", "--spp", "1", "-q", "-o", name], check=True)
         node = {"rectangle": {"corner": [-1, -1, 0], "edge_u": [2, 0, 0], "edge_v": [0, 2, 0]},
@@ -143,7 +145,7 @@ def good_files():
 
 
 def check(file, scene, what):
-    """Renders; returns the exit code, or says what is wrong."""
+    """Renders a scene and returns the exit code; ends the test with a message if something is wrong."""
     try:
         result = waiting.run([PROGRAM, "render", scene, "--size", "16x12", "--spp", "1", "-q", "-o", "out.png"], processor_s=60,
                              text=False)
@@ -180,7 +182,7 @@ def main():
             write(file, content[:size])
             refused[0] += check(file, scene, f"cut after {size} bytes")
             changed = bytearray(content)
-            # Mostly near the beginning, where sizes and offsets are.
+            # Most changes are near the beginning, where sizes and offsets are.
             places = [int(len(content) * rng.random() ** 2) for _ in range(rng.randint(1, 4))]
             for place in places:
                 changed[place] = rng.choice([0, 0x7f, 0x80, 0xff, rng.randrange(256), changed[place] ^ 1 << rng.randrange(8)])

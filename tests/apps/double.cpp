@@ -16,13 +16,13 @@
 #include "fathom/scene_file.h"
 #include "film/film_data.h"
 
-// A library for tests of the command line: a scene file is words, and a sample is worth a number that its index
-// decides.
-//   camera NAME, aspect A, size WxH, spp N, slow MS (a pass), warn TEXT, nan, hint-filter NAME, hint-build NAME,
-//   triangles N, texture NAME, file NAME, scene NAME, variant NAME, moves NAME (the last node), empty,
-//   gate FILE and load-gate FILE: each sample, or loading, waits until the file holds a number larger than its own
-//   (loading has 0); meanwhile FILE.waits holds that number. So a test decides how far the program gets, however slow
-//   the machine is.
+// A test double of the library, for tests of the command line. A scene file is a list of words, and the value of a
+// sample depends on its index only:
+// camera NAME, aspect A, size WxH, spp N, slow MS (a pass), warn TEXT, nan, hint-filter NAME, hint-build NAME,
+// triangles N, texture NAME, file NAME, scene NAME, variant NAME, moves NAME (the last node), empty,
+// gate FILE and load-gate FILE: each sample, or loading, waits until the file holds a number larger than its own
+// (loading has 0); meanwhile FILE.waits holds that number. So a test controls how far the program gets, however slow
+// the machine is.
 namespace fathom {
 
 namespace {
@@ -39,7 +39,7 @@ void wait_at(const std::filesystem::path& gate, std::uint64_t step)
         return allowed > step;
     };
     if (is_open()) return;
-    // A test that was killed opens no gate any more.
+    // A killed test can't open the gate, so this process is killed with it.
     prctl(PR_SET_PDEATHSIG, SIGKILL);
     const std::string waits = gate.string() + ".waits", part = waits + ".part";
     std::ofstream(part) << step << std::flush;
@@ -100,7 +100,7 @@ SceneFileContents load_scene_file(const std::filesystem::path& file, const LoadO
         } else if (word == "scene") {
             in >> result.scenes.emplace_back();
         } else if (word == "moves") {
-            // The last node, a metre a second along x for two seconds.
+            // The last node moves one meter per second along x for two seconds.
             Animation& animation = result.rig.animations.emplace_back();
             in >> animation.name;
             animation.channels.push_back({AnimatedProperty::translation,
@@ -130,7 +130,7 @@ SceneDescription load_scene(const std::filesystem::path& file, const LoadOptions
 bool add_default_camera(SceneDescription& scene, const FramingOptions& options)
 {
     if (!scene.cameras.empty() && !options.force_camera) return false;
-    // Before the others, as the library does.
+    // The camera is inserted before the others, as in the library.
     for (Node& node : scene.nodes)
         if (node.camera >= 0) ++node.camera;
     scene.cameras.insert(scene.cameras.begin(), Camera())->position = {options.azimuth_deg, options.elevation_deg, 100};
@@ -146,7 +146,7 @@ std::size_t find_animation(const SceneFileContents& file, const std::string& wan
     throw Error(file.scene.file, "", fmt::format("there is no animation '{}'", wanted));
 }
 
-/// 300 MB for each texture.
+/// Estimates 300 MB for each texture.
 std::vector<MemoryEstimate> estimate_memory(const SceneDescription& scene, BvhQuality)
 {
     return {{"textures", 3e8 * double(scene.images.size())}, {"triangles", 1000}};
@@ -160,12 +160,12 @@ struct Scene::Data {
 Scene Scene::compile(const SceneDescription& description, const std::string& camera, Warnings& warnings,
                      BvhQuality build)
 {
-    const char* const builds[] = {"fast", "standard", "high", "compact"};  // by BvhQuality
+    const char* const builds[] = {"fast", "standard", "high", "compact"};  // indexed by BvhQuality
     if (build != BvhQuality::standard) warnings.add(fmt::format("build {}", builds[std::size_t(build)]));
     auto data = std::make_shared<Data>();
     data->camera = world_camera(description, camera);
     const Camera& c = data->camera;
-    // The camera and the environment, for tests to see.
+    // Warnings show the camera and the environment to the tests.
     warnings.add(fmt::format("camera '{}' at {},{},{} to {},{},{} up {},{},{} fov {:.4g} aspect {}", c.name,
                              c.position.x, c.position.y, c.position.z, c.look_at.x, c.look_at.y, c.look_at.z, c.up.x,
                              c.up.y, c.up.z, c.fov_y * 180 / M_PI, c.aspect));
@@ -214,12 +214,12 @@ Scene EditableScene::compile_bit_exact(Warnings& warnings)
     return Scene::compile(data_->scene, data_->camera, warnings, data_->build);
 }
 
-/// A scene of the name `dark` gets a studio and an exposure.
+/// A scene named `dark` gets a studio and an exposure.
 LitScene compile_lit(EditableScene& edit, LightingMode light, double aspect, Warnings& warnings,
                      const std::optional<Ground>& ground)
 {
     const SceneDescription& scene = edit.description();
-    const char* const choices[] = {"auto", "file", "studio"};  // by LightingMode
+    const char* const choices[] = {"auto", "file", "studio"};  // indexed by LightingMode
     warnings.add(
         fmt::format("light {}{} aspect {:.4g}", choices[int(light)], scene.hints.own_light ? ", its own" : "", aspect));
     if (ground)

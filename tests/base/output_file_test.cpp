@@ -26,7 +26,7 @@ const std::uint64_t* foreseen = nullptr;
 /// Simulates file systems without O_TMPFILE, such as NFS.
 bool without_nameless_files = false;
 
-/// Arguments of fsync in order: the size of each file, and -1 for a folder.
+/// Arguments of each call of fsync, in order: the size of the file, or -1 for a folder.
 std::vector<off_t> synced;
 
 }  // namespace
@@ -326,8 +326,8 @@ TEST_F(SharedFolder, AnotherUsersLinkIsRefused)
 
 TEST_F(SharedFolder, OtherLinksAreFollowed)
 {
-    // Links are followed if the user owns them, if nobody else can write to their folder, or if their owner owns the
-    // folder.
+    // Links are followed if the user owns them, if nobody else can write to their folder, or if their owner also owns
+    // the folder.
     fs::create_symlink(own_ / "victim", shared_ / "a");
     EXPECT_EQ(refusal(shared_ / "a"), "");
     EXPECT_EQ(text_of(own_ / "victim"), "new");

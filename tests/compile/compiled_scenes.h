@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// Builds small scene descriptions and compiles them to tables for inspection.
+// Functions that build small scene descriptions and compile them to tables for inspection.
 #include "compile/scene_data.h"
 #include "support/placed_light.h"
 

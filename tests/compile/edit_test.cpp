@@ -173,7 +173,7 @@ TEST_F(Editing, PlacesChange)
     }
     EXPECT_NE(picture(edit.compile(warnings)), before);
     EXPECT_NE(edit.compile(warnings).fingerprint(), fingerprint);
-    // All nodes return to their first transforms.
+    // This moves all nodes back to their first transforms.
     for (const int node : room.movable) edit.set_transform(node, room.d.nodes[std::size_t(node)].parent_from_node);
     EXPECT_EQ(picture(edit.compile(warnings)), before);
 }

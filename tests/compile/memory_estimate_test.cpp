@@ -119,7 +119,7 @@ TEST_F(ImageFileEstimate, TexelsComeFromTheFileHeader)
 {
     write(8);
     EXPECT_EQ(textures({ColorSpace::srgb}), 40 * 30 * 4);
-    // An image used twice in the same way is stored once.
+    // Two equal uses of an image are stored once.
     EXPECT_EQ(textures({ColorSpace::srgb, ColorSpace::srgb}), 40 * 30 * 4);
     EXPECT_EQ(textures({ColorSpace::srgb, ColorSpace::linear}), 2 * 40 * 30 * 4);
     write(16);

@@ -145,7 +145,7 @@ TEST_F(FakeLibrary, IsFoundByItsFolder)
     setenv("PATH", ((folder / "bin").string() + ":" + path).c_str(), 1);
     const fs::path found = Denoiser(1).file();
     setenv("PATH", path.c_str(), 1);
-    if (found.string().find("pyoidn") != std::string::npos)  // a library installed on the system takes precedence
+    if (found.string().find("pyoidn") != std::string::npos)  // this library, installed on the system, takes precedence
         EXPECT_TRUE(fs::equivalent(found, package / "libOpenImageDenoise.so.2"));
     fs::remove_all(folder);
 }
@@ -162,7 +162,7 @@ TEST_F(FakeLibrary, WhatIsNoneIsRefused)
     setenv("FATHOM_OIDN", text.c_str(), 1);
     EXPECT_NE(message_of().find("can't be opened"), std::string::npos);
     fs::remove(text);
-    // An existing shared library that is not Open Image Denoise.
+    // libm is an existing shared library that is not Open Image Denoise.
     setenv("FATHOM_OIDN", "/lib/x86_64-linux-gnu/libm.so.6", 1);
     if (fs::exists(std::getenv("FATHOM_OIDN")))
         EXPECT_NE(message_of().find("oidnNewDevice: no such function"), std::string::npos);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Fake Open Image Denoise for tests: its C functions, with a filter whose result is easy to compute.
+// A fake of Open Image Denoise for tests: its C functions, with a filter whose result is easy to compute.
 #include <algorithm>
 #include <cstdlib>
 #include <cstring>

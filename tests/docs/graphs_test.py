@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Checks that docs/images/graphs contains what scripts/graphs.py draws from docs/measurements.
+"""Checks that docs/images/graphs contains the graphs that scripts/graphs.py draws from docs/measurements.
 
 usage: graphs_test.py ROOT
 """

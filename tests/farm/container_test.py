@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The image's root folder, as the container file makes it: what it weighs, what it lacks, and a render in it by a user without rights."""
+"""Tests the container image's root folder: its size, what it must not contain, and a render in it by an unprivileged
+user."""
 import os
 import re
 import shutil
@@ -25,7 +26,7 @@ def can_change_root():
 
 class Container(unittest.TestCase):
     def test_the_file_names_what_the_program_needs(self):
-        """All packages that scripts/setup.sh builds with, but those of what an image has no use for."""
+        """The Dockerfile has all packages that scripts/setup.sh builds with, except those that an image does not need."""
         setup = (ROOT / "scripts" / "setup.sh").read_text()
         wanted = set(re.search(r"packages_to_build=\((.*?)\)", setup, flags=re.S)[1].split())
         file = (FARM / "container" / "Dockerfile").read_text()
@@ -60,7 +61,7 @@ class Container(unittest.TestCase):
             self.assertEqual(code, 0, text)
             self.assertEqual((root / "work" / "a.exr").stat().st_uid, USER)
             if shutil.which("busybox"):
-                # Ended once it has reported progress, which follows the first samples.
+                # The render is ended once it has reported progress, which follows the first samples.
                 code, text = run("/bin/sh", "-c", "cd /work && : >log && "
                                  "{ fathom render scene.json --spp 2000000 --checkpoint f.exr --progress json 2>log & } && "
                                  "until while read -r line; do case $line in *progress*) seen=1;; esac; done <log; [ \"$seen\" ]; do sleep 1; done; "

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The pages of docs/farm: what they refer to is there, and each has the two commands."""
+"""Tests the pages of docs/farm: their references exist, and each page has the two commands."""
 import re
 import unittest
 

@@ -1,11 +1,12 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""What farm/ gives to schedulers: valid by their own rules, and the picture of one run by what they would run.
+"""Tests the recipes of farm/ for schedulers: they are valid by the schedulers' own rules, and their commands render the
+image of one run.
 
     farm_test.py FATHOM PICTURE_HASH BUILD_FOLDER
 
-Python packages are looked for in BUILD_FOLDER/../farm, where scripts/test-farm.sh installs them, and in this Python. What isn't there is skipped, each
-by a line that says so.
+Python packages are searched for in BUILD_FOLDER/../farm, where scripts/test-farm.sh installs them, and in this Python.
+Tests of missing packages are skipped, with a line for each.
 """
 import os
 import re

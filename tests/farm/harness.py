@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What the tests of farm/ share: a folder of films, the picture of one run, and the packages that may not be there.
+"""Shared by the tests of farm/: a folder of films, the image of one run, and checks for optional packages.
 
-Each is run by farm_test.py, as  farm_test.py FATHOM PICTURE_HASH BUILD_FOLDER
+farm_test.py FATHOM PICTURE_HASH BUILD_FOLDER runs all tests.
 """
 import importlib.util
 import os
@@ -22,7 +22,7 @@ SAMPLES = 12
 
 
 def has(package):
-    """Whether a Python package is there; tests that need it say so where it isn't."""
+    """Whether a Python package is installed; tests that need a missing one are skipped with a message."""
     return importlib.util.find_spec(package) is not None
 
 
@@ -39,7 +39,7 @@ def hash_of(picture):
 
 
 class Films(unittest.TestCase):
-    """A folder with a scene, and the program as `fathom` on the path."""
+    """A test with a folder that has a scene, and with the program in PATH as `fathom`."""
 
     @classmethod
     def setUpClass(cls):
@@ -61,7 +61,7 @@ class Films(unittest.TestCase):
         self.addCleanup(folder.cleanup)
         self.folder = Path(folder.name)
         (self.folder / "bin").mkdir()
-        # Pictures of tests are small, whatever the recipe says of size, which it does not.
+        # The wrapper makes images small; recipes don't set a size.
         (self.folder / "bin" / "fathom").write_text(
             f'#!/bin/sh\nword=$1; shift\n[ "$word" = render ] && set -- "$@" {" ".join(self.small())}\nexec "{PROGRAM}" "$word" "$@"\n')
         (self.folder / "bin" / "fathom").chmod(0o755)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What runs here: OpenJD's own runner, GNU parallel, Dask with a cluster of this machine."""
+"""Tests with runners that work on this machine: OpenJD's own runner, GNU parallel, Dask with a local cluster."""
 import re
 import shutil
 import subprocess
@@ -31,13 +31,13 @@ class OpenJobDescription(Films):
 
 class Parallel(Films):
     def commands(self):
-        """Both of the page, lines that are continued with their continuation."""
+        """Returns both commands of the page, including their continuation lines."""
         page = (ROOT / "docs" / "farm" / "ssh.md").read_text()
         return re.findall(r"^    ((?:parallel|fathom merge) (?:[^\n\\]|\\\n)*)", page, flags=re.M)[:2]
 
     @needs_command("parallel")
     def test_the_pages_commands_render_the_picture(self):
-        """As they stand on the page, with this machine alone for a list."""
+        """The commands work as on the page, with this machine as the only one in the list."""
         render, merge = self.commands()
         (self.films / "machines").write_text(":\n")
         self.run_shell(render.replace("--spp 4096", f"--spp {SAMPLES}").replace("{1..16}", "1 2 3").replace("/16", "/3"), PARALLEL_HOME=str(self.folder))
@@ -47,7 +47,7 @@ class Parallel(Films):
     @needs_command("parallel")
     def test_a_part_that_is_cut_off_is_taken_up_again(self):
         render, _ = self.commands()
-        # The first try of each part ends as one that gets a signal does.
+        # The first attempt of each part ends like a render that received a signal.
         program = self.folder / "bin" / "fathom"
         shutil.move(program, self.folder / "bin" / "real")
         program.write_text('#!/bin/sh\nfor word in "$@"; do case $word in part-*.exr) tried=$word.tried;; esac; done\n'
@@ -59,7 +59,7 @@ class Parallel(Films):
 
 
 class Dask(Films):
-    # On a busy machine workers start and answer slowly.
+    # Workers start and answer slowly on a busy machine.
     PATIENT = {f"DASK_DISTRIBUTED__{name}": "3600s" for name in ("COMM__TIMEOUTS__CONNECT", "COMM__TIMEOUTS__TCP", "SCHEDULER__WORKER_TTL")}
 
     @needs("distributed", "dask[distributed]")

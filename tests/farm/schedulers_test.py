@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Schedulers that have to be asked over a network: their manifests and definitions, and the commands that stand in them."""
+"""Tests of schedulers that work over a network: their manifests and definitions, and the commands in them."""
 import copy
 import json
 import re
@@ -20,7 +20,7 @@ class Kubernetes(Films):
         import kubernetes_validate
         for name in "render.yaml", "merge.yaml":
             kubernetes_validate.validate(self.manifest(name), "1.33", strict=True)
-        # The validator sees what is wrong.
+        # The validator detects errors.
         broken = self.manifest("render.yaml")
         broken["spec"]["completionsMode"] = "Indexed"
         with self.assertRaises(Exception):
@@ -33,7 +33,7 @@ class Kubernetes(Films):
         self.assertEqual(render["template"]["spec"]["restartPolicy"], "Never", "a policy for failures needs that")
         self.assertNotIn("command", container, "the image's program gets the signals itself")
         for index in range(render["completions"]):
-            # As the kubelet puts variables into words.
+            # The kubelet inserts variables into arguments in this way.
             words = [word.replace("$(JOB_COMPLETION_INDEX)", str(index)) for word in container["args"]]
             words = [word.replace("/films", str(self.films)).replace("=4096", f"={4 * SAMPLES}") for word in words]
             if index >= 4:
@@ -78,7 +78,7 @@ class AwsBatch(Films):
         self.assertNotEqual(errors("RegisterJobDefinition", broken), "")
 
     def command(self, name, parameters):
-        """Of a job definition, with the parameters of a job in their places."""
+        """Returns the command of a job definition, with a job's parameters inserted."""
         definition = self.document(name)
         known = {**definition["parameters"], **parameters}
         return [known[word[5:]] if word.startswith("Ref::") else word.replace("/films", str(self.films))
@@ -125,7 +125,7 @@ class OpenCue(Films):
 
     @needs("outline", "opencue-pyoutline")
     def test_the_job_has_the_form_of_opencues_own(self):
-        """Elements, and their order, as OpenCue's own package writes them for such a job."""
+        """The job has the elements, in the order, that OpenCue's own package writes for such a job."""
         import outline
         import outline.cuerun
         import outline.modules.shell

@@ -54,7 +54,7 @@ TEST(ExactSum, CarriesBeyond64Bits)
     }
     EXPECT_LT(expected, 0);
     EXPECT_NEAR(ExactSum::value(sum) / (double(expected) * 0x1p-36), 1, 1e-15);
-    // Words of a sum from another film.
+    // The words are those of a sum from another film.
     std::uint32_t a[3] = {0xffffffffu, 0xffffffffu, 1}, one[3] = {1, 0, 0};
     ExactSum::add(a, one);
     EXPECT_EQ(a[0], 0u);
@@ -107,7 +107,7 @@ TEST(TileSums, FastAndGeneralPathsAgree)
 /// Each pixel of a tile has its own sums, also of first-hit layers; ids come from the lowest sample.
 TEST(TileSums, PixelsAndFirstHits)
 {
-    // Layout after radiance and squares: depth and hit count, then ids.
+    // Other sums follow radiance and squares: depth and hit count, then ids.
     constexpr int sums_of_first_hits = 2, ids = other_words + sums_of_first_hits * ExactSum::words;
     constexpr std::size_t words = ids + 3;
     TileSums sums;

@@ -5,7 +5,7 @@
 
 #include "made_film.h"
 
-// Images with known fireflies: the reported shares of noise and samples.
+// Tests of the reported shares of noise and samples, for images with known fireflies.
 namespace fathom {
 namespace {
 
@@ -42,7 +42,7 @@ struct Picture {
     }
 };
 
-/// Brighter and noisier in the right half.
+/// An image that is brighter and noisier in the right half.
 Picture noisy()
 {
     Picture p;

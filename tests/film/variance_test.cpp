@@ -29,7 +29,8 @@ TEST(Film, VarianceIsRightForDarkAndBrightPictures)
         const auto& variance = image.find("variance")->pixels;
         EXPECT_NEAR(image.layers[0].pixels[0] / (2 * v), 1, 2e-5) << v;
         EXPECT_NEAR(variance[0] * (n - 1) / (v * v), 1, 1e-3) << v;
-        EXPECT_LT(variance[1] * (n - 1) / (v * v), 1e-4) << v;  // no variance except rounding
+        EXPECT_LT(variance[1] * (n - 1) / (v * v), 1e-4)
+            << v;  // samples of equal value have no variance, except by rounding
         EXPECT_EQ(variance[2], 0) << v;
     }
 }

@@ -52,7 +52,7 @@ protected:
         return "loaded";
     }
 
-    /// How often warnings that contain these words were given.
+    /// Number of warnings that contain these words.
     std::size_t warning_count(const std::string& words) const
     {
         std::size_t count = 0;

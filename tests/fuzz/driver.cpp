@@ -23,7 +23,7 @@ namespace fathom::fuzz {
 
 namespace {
 
-constexpr unsigned longest_run_s = 20;     // CPU time, independent of other programs
+constexpr unsigned longest_run_s = 20;     // limit of CPU time, which does not depend on other programs
 constexpr unsigned longest_wait_s = 3600;  // ends a run that waits forever
 
 using Random = std::mt19937_64;

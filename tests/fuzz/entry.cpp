@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Entry point for one target; libFuzzer provides main().
+// Runs one target; libFuzzer provides main().
 #include <cstddef>
 #include <cstdint>
 

@@ -447,7 +447,7 @@ std::vector<std::string> mitsuba_seeds()
 
 std::vector<std::string> serialized_seeds()
 {
-    // Two meshes of format version 4: a triangle with normals and texture coordinates, and one in doubles.
+    // The file has two meshes of format version 4: a triangle with normals and texture coordinates, and one in doubles.
     const auto deflated = [](const std::string& bytes) {
         uLongf size = compressBound(uLong(bytes.size()));
         std::string out(size, 0);
@@ -475,7 +475,7 @@ std::vector<std::string> ies_seeds()
 
 std::vector<std::string> measured_seeds()
 {
-    // Arrays follow each other with the sizes of their shapes.
+    // The data of all arrays, one after another, in sizes that follow from their shapes.
     struct Field {
         std::string name;
         std::vector<std::uint64_t> shape;

@@ -17,7 +17,7 @@ import tempfile
 
 HERE = pathlib.Path(__file__).resolve().parent
 LIST = HERE / "hashes.txt"
-LEVELS = ["none", "x86-64-v3", "x86-64-v4"]  # "none" matches no folder, which selects the base library
+LEVELS = ["none", "x86-64-v3", "x86-64-v4"]  # "none" matches no library folder, so the loader takes the base library
 LAYERS = "albedo,normal,depth,position,instance,material,variance"
 
 
@@ -29,7 +29,7 @@ def run(command):
 
 
 def read_list():
-    """Lines of hash, image name, scene and options."""
+    """Returns the lines of hash, image name, scene and options."""
     for number, line in enumerate(LIST.read_text().splitlines(), 1):
         words = line.split()
         if not words or words[0] == "#":
@@ -40,7 +40,7 @@ def read_list():
 
 
 def levels_of(program):
-    """Commands to run the program, by the name of the kernel that they select."""
+    """Returns commands that run the program, by the name of the kernel that they select."""
     loaders = glob.glob("/lib64/ld-linux-x86-64.so.2")
     if not loaders:
         return {"as it is": [program]}

@@ -117,7 +117,7 @@ def gltf():
         accessors.append({"bufferView": v, "componentType": component, "count": count, "type": kind, **more})
         return len(accessors) - 1
 
-    # A bent quad: interleaved positions and normals, 16-bit uv, 8-bit colors, one position by a sparse accessor.
+    # A bent quad has interleaved positions and normals, 16-bit uv, 8-bit colors, and one position by a sparse accessor.
     corners = [(-0.8, 0, 0), (0.8, 0, 0.2), (0.7, 1.4, 0), (-0.7, 1.3, 0.3)]
     normals = [(-0.3, 0, 0.95), (0.3, 0, 0.95), (0.3, 0.3, 0.9), (-0.3, 0.3, 0.9)]
     mixed = view("f", [x for p, n in zip(corners, normals) for x in (*p, *n)], 24)
@@ -266,7 +266,8 @@ def textures():
         {"material": {"color": {"texture": {"image": "bands.png", "wrap_u": "octahedral", "wrap_v": "octahedral", "lookup": "nearest",
                                             "uv_scale": [2, 2], "uv_offset": [-0.5, -0.5]}}},
          "rectangle": {"corner": [0, 0, 0], "edge_u": [2, 0, 0], "edge_v": [0, 2, 0]}}])
-    # Bump maps on every shape with tangents, by 3D textures and by images in both sets of texture coordinates.
+    # Bump maps are applied to every shape with tangents, by 3D textures and by images in both sets of texture
+    # coordinates.
     fbm, picture = {"kind": "fbm", "scale": 5, "octaves": 4}, {"image": "bands.png", "uv_scale": [2, 2]}
     write("bump", scene=[
         FLOOR, LAMP, {**BALL, "material": {"color": 0.7, "bump": {"texture": fbm, "value": 0.06}}},
@@ -277,7 +278,8 @@ def textures():
         {"mesh": {"positions": [[-0.9, 1.1, -0.6], [1, 1.1, -0.9], [0, 2.2, -0.5]], "uvs": [[0, 0]] * 3, "uvs_1": [[0, 1], [1, 1], [0.5, 0]],
                   "normals": [[-0.3, 0, 1], [0.3, 0, 1], [0, 0.3, 1]]},
          "material": {"color": 0.6, "bump": {"texture": {**picture, "uv_set": 1}, "value": -0.1}}}])
-    # Displacement of a sphere with a seam, a box with hard edges and a mesh, by a small image and by 3D textures.
+    # Displacement is applied to a sphere with a seam, a box with hard edges and a mesh, by a small image and by 3D
+    # textures.
     raised = {"color": 0.7, "displacement": {"texture": {"image": "bands.png", "uv_scale": [2, 1]}, "value": 0.2}}
     write("displacement", scene=[
         FLOOR, LAMP, {**BALL, "material": raised},

@@ -38,7 +38,8 @@ class Warp:
 
     @staticmethod
     def invert(values, x):
-        """Inverts the integral of a piecewise linear function at the fraction x: (index, offset in the interval)."""
+        """Inverts the integral of a piecewise linear function at the fraction x; returns (index, offset in the
+        interval)."""
         sums = [0.0]
         for a, b in zip(values, values[1:]):
             sums.append(sums[-1] + (a + b) / 2)
@@ -95,8 +96,11 @@ def half_vector(u, turned):
 
 
 def metal_file(metal, thetas, phis, size, side, colors, is_isotropic, wavelengths=None):
-    """colors: reflectance at normal incidence per channel or wavelength. side: size of the reflectance tables, which
-    Mitsuba requires to be square."""
+    """Makes a measured BSDF file.
+
+    colors: reflectance at normal incidence per channel or wavelength. side: size of the reflectance tables, which
+    Mitsuba requires to be square.
+    """
     width, height = size
     flat = lambda values: struct.pack(f"<{len(values)}f", *values)
     theta_i = [t * math.pi / 180 for t in thetas]
@@ -145,7 +149,8 @@ def gold(spectra=False, size=(16, 8), side=12, alpha=0.3):
 
 
 def brushed(spectra=False, size=(8, 16), side=10, alphas=(0.5, 0.15), phis=(-180, -135, -90)):
-    """An anisotropic metal, wide along x and narrow along y; a quarter of the azimuths, the others by symmetry."""
+    """An anisotropic metal, wide along x and narrow along y. It has a quarter of the azimuths; the others follow by
+    symmetry."""
     waves = [400 + 50 * i for i in range(8)] if spectra else None
     colors = [0.9] * len(waves) if spectra else [0.9, 0.85, 0.8]
     return metal_file(Metal(*alphas), [0, 30, 60, 85], phis, size, side, colors, False, waves)

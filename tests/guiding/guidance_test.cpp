@@ -12,7 +12,7 @@
 namespace fathom {
 namespace {
 
-/// Two cells along x; in the first, every side has a region with a random histogram.
+/// Tables of two cells along x; in the first, every side has a region with a random histogram.
 GuidingTables some_tables(unsigned seed)
 {
     GuidingTables t;
@@ -83,7 +83,7 @@ TEST(Guidance, KnowsTheSideThatASurfaceFaces)
     for (std::uint32_t side = 0; side < guiding_sides; ++side) {
         EXPECT_EQ(test::first(guiding_side(Vec3(normals[side]))), side);
         EXPECT_EQ(test::first(guidance_of(t, middle, normals[side]).survival_factor()), float(side));
-        // The pole is the side's direction, and from_histogram_frame inverts to_histogram_frame.
+        // The pole is the side's direction, and from_histogram_frame() inverts to_histogram_frame().
         const Vec3 d(Vec3f{0.36f, -0.48f, 0.8f});
         const Vec3 again = from_histogram_frame(UInt(side), to_histogram_frame(UInt(side), d));
         EXPECT_EQ(test::first(again.x), 0.36f);

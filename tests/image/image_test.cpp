@@ -129,7 +129,7 @@ TEST(Hdr, IsNearestAtEveryWidth)
 {
     for (int width : {1, 7, 8, 9, 200, 32767, 32768}) {
         Image image = make_test_image(width, 3, {"R", "G", "B"}, 1000);
-        // runs of equal pixels in the first row
+        // Make runs of equal pixels in the first row.
         for (int i = 0; i < 3 * width; ++i) image.layers[0].pixels[i] = float(i / 300);
         const Image read = written_and_read(image, "a.hdr");
         ASSERT_EQ(read.width, width);
@@ -162,7 +162,7 @@ TEST(Webp, IsWrittenLikePngUnlessItMayLose)
     const Image png = written_and_read(image, "a.png"), webp = written_and_read(image, "a.webp");
     ASSERT_EQ(webp.layers[0].channels, png.layers[0].channels);
     EXPECT_EQ(webp.layers[0].pixels, png.layers[0].pixels);
-    // Lossy without alpha: a smooth image stays close.
+    // Lossy compression without alpha keeps a smooth image close to the original.
     image = make_test_image(64, 48, {"R", "G", "B"});
     for (int i = 0; i < 64 * 48; ++i)
         for (int c = 0; c < 3; ++c)
@@ -206,7 +206,7 @@ TEST(Stb, ReadsPnmInBothDepths)
             EXPECT_THROW(read_image("cut", whole.data(), cut), Error) << cut;
 }
 
-// -- files made by other programs, byte by byte: a reader and a writer could share an error
+// Files made by other programs are tested byte by byte, because a reader and a writer could share an error.
 
 const unsigned char png_of_16_bits[] = {
     0x89, 0x50, 0x4e, 0x47, 0x0d, 0x0a, 0x1a, 0x0a, 0x00, 0x00, 0x00, 0x0d, 0x49, 0x48, 0x44, 0x52, 0x00,
@@ -236,7 +236,7 @@ TEST(ForeignFiles, PngHasItsHighByteFirst)
     EXPECT_FALSE(wide.is_linear);
 }
 
-/// RGBE: mantissas red, green, blue, and a shared exponent with bias 128.
+/// Pixels of RGBE have mantissas of red, green, blue, and a shared exponent with bias 128.
 TEST(ForeignFiles, HdrSharesAnExponent)
 {
     const Image image = read_image("a.hdr", hdr_of_two_pixels, sizeof hdr_of_two_pixels);
@@ -245,7 +245,8 @@ TEST(ForeignFiles, HdrSharesAnExponent)
     EXPECT_TRUE(image.is_linear);
 }
 
-/// Bytes that our writers produce: the first pixel of an uncompressed PNG row, of an HDR, of an EXR.
+/// Files begin with the bytes that the formats specify: the first pixel of an uncompressed PNG row, of an HDR, of an
+/// EXR.
 TEST(ForeignFiles, WhatIsWrittenIsWhatTheFormatsSay)
 {
     const TemporaryFolder folder;
@@ -257,7 +258,7 @@ TEST(ForeignFiles, WhatIsWrittenIsWhatTheFormatsSay)
     EXPECT_EQ(end, (std::vector<unsigned char>{128, 64, 32, 129, 128, 64, 32, 131}));
     write_image(folder.path() / "a.exr", image, {});
     const std::vector<char> exr = test::bytes_of(folder.path() / "a.exr");
-    // EXR sorts channels by name: B, G, R, each in a row of its own.
+    // EXR sorts channels by name; B, G and R each have a row of their own.
     float values[6];
     std::memcpy(values, &exr[exr.size() - sizeof values], sizeof values);
     const float expected[] = {0.25f, 1, 0.5f, 2, 1, 4};

@@ -45,7 +45,8 @@ inline std::vector<char> bytes_of(const std::filesystem::path& file)
     return {std::istreambuf_iterator<char>(in), {}};
 }
 
-/// Distinct values from 0 to `top`; channel A, if there is one, from 0 to 1 with premultiplied color.
+/// A layer of distinct values from 0 to `top`. Channel A, if there is one, has values from 0 to 1, and color is
+/// premultiplied.
 inline Image::Layer make_test_layer(const std::string& name, const std::vector<std::string>& channels, int width,
                                     int height, float top = 1)
 {

@@ -24,7 +24,7 @@ mv "$place/first" "$place/moved here"
 prefix="$place/moved here"
 expect "the schema is installed" test -f "$prefix/share/doc/fathom/scene.schema.json"
 
-# Use the installed libraries instead of those in the build folder.
+# The installed libraries are used instead of those in the build folder.
 libraries=$(ldd "$prefix/bin/fathom")
 expect "no library is missing" test -z "$(grep 'not found' <<<"$libraries")"
 expect "the kernel library comes from the moved folder" \

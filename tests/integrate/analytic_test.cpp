@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Opacity, textures, absorption and the camera, against closed forms.
+/// Tests of opacity, textures, absorption and the camera, against closed forms.
 #include "picture_helpers.h"
 
 namespace fathom {
@@ -30,7 +30,7 @@ TEST(Alpha, OfEveryShape)
 TEST(Alpha, OfAStackOfLayers)
 {
     constexpr std::uint32_t n = 48;
-    Mesh grid;  // large enough that copies become instances
+    Mesh grid;  // the mesh is large enough that copies become instances
     for (std::uint32_t i = 0; i <= n; ++i)
         for (std::uint32_t j = 0; j <= n; ++j)
             grid.positions.push_back({4 * float(i) / n - 2, 4 * float(j) / n - 2, 0});
@@ -67,7 +67,7 @@ TEST(Alpha, OfAStackOfLayers)
             }
 }
 
-/// A texture's alpha and its color match: black in front of white and white in front of black add up to white.
+/// The alpha and color of a texture match: black in front of white and white in front of black add up to white.
 TEST(Alpha, OfEveryTexture)
 {
     for (const TextureKind kind : {TextureKind::checker_uv, TextureKind::checker_space, TextureKind::noise,
@@ -177,7 +177,7 @@ TEST(Textures, TurnWithTheNode)
 
 TEST(Glass, AbsorbsByPathLength)
 {
-    // Slab at normal incidence: two transmissions, absorption, and the geometric series of internal reflections.
+    // A slab at normal incidence has two transmissions, absorption, and a geometric series of internal reflections.
     SceneBuilder b;
     Material glass;
     glass.kind = MaterialKind::glass;

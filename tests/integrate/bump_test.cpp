@@ -8,7 +8,7 @@ namespace {
 
 using namespace test;
 
-/// A bump map with slope `value` in red or green of the texture coordinates.
+/// Adds a material with a bump map of slope `value` in red or green of the texture coordinates.
 int bumped(SceneBuilder& b, TextureMapping mapping, int channel, float value)
 {
     Texture place;
@@ -58,7 +58,7 @@ std::vector<Case> cases()
             {"sphere", Sphere{{0, 0, 0}, r, {}}, out * r, out, east * (1 / (turn * from_axis)), south * (2 / turn)}};
 }
 
-/// A square with enough triangles that two copies become instances, where (u, v) = (x / 4 + y / 2, y / 8 - x).
+/// A square, with enough triangles that two copies become instances, where (u, v) = (x / 4 + y / 2, y / 8 - x).
 Mesh sheet()
 {
     constexpr std::uint32_t n = 48;
@@ -111,7 +111,7 @@ TEST(Bump, BendsNormalsByTheSlope)
     }
 }
 
-/// Bump maps mapped by position need no texture coordinates.
+/// Textures that are mapped by position bump surfaces without texture coordinates.
 TEST(Bump, SpaceTexturesBump)
 {
     const Transform transform = Transform::translate({1, -3, 2}) * Transform::rotate({1, 2, 3}, 0.8);

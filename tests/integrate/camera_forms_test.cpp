@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "picture_helpers.h"
 
-// Each camera parameter, pixel filter and film layer, checked by simple scenes.
+// Tests of each camera parameter, pixel filter and film layer by simple scenes.
 namespace fathom {
 namespace {
 
 using namespace test;
 
-/// White unlit objects on a black background.
+/// A scene of white unlit objects on a black background.
 struct Whites : SceneBuilder {
     int white(Color color = {1, 1, 1})
     {
@@ -28,7 +28,7 @@ TEST(CameraForms, FieldOfViewAspectAndHeight)
         for (double degrees : {20.0, 60.0, 110.0}) {
             Whites s;
             s.camera({0, 0, 3}, {0, 0, 0}, degrees);
-            // A rectangle over half of the image's height and a quarter of its width.
+            // The rectangle covers half of the image's height and a quarter of its width.
             const double h = 3 * std::tan(degrees * std::numbers::pi / 360) / 2, w = h / 2 * width / height;
             s.add(Rectangle{{-w, -h, 0}, {2 * w, 0, 0}, {0, 2 * h, 0}}, s.white());
             const std::vector<float> p = s.pixels(small_image_settings(width, height), 64);
@@ -85,7 +85,7 @@ TEST(CameraForms, WhatKeepsItsAngle)
         }
 }
 
-/// Up and right directions, told apart by two lights of different color.
+/// Two lights of different color tell apart the up and right directions.
 TEST(CameraForms, PlaceDirectionAndRoll)
 {
     for (const bool nested : {false, true})
@@ -94,9 +94,9 @@ TEST(CameraForms, PlaceDirectionAndRoll)
             s.camera({4, 1, 2}, {4, 1, -3}, 40);
             // `up` need not be perpendicular to the view direction.
             s.scene.cameras[0].up = {-2 * std::sin(roll), 2 * std::cos(roll), 1};
-            s.add(Sphere{{5, 1, -3}, 0.1, {}}, s.white({1, 0, 0}));  // this light is to the right
-            s.add(Sphere{{4, 2, -3}, 0.1, {}}, s.white({0, 1, 0}));  // this light is above
-            s.add(Sphere{{4, 1, -3}, 0.1, {}}, s.white({0, 0, 1}));  // ahead
+            s.add(Sphere{{5, 1, -3}, 0.1, {}}, s.white({1, 0, 0}));  // a light to the right
+            s.add(Sphere{{4, 2, -3}, 0.1, {}}, s.white({0, 1, 0}));  // a light above
+            s.add(Sphere{{4, 1, -3}, 0.1, {}}, s.white({0, 0, 1}));  // a light ahead
             // The whole scene moved and doubled in size gives the same image.
             if (nested)
                 s.scene.nodes[0].parent_from_node =
@@ -120,8 +120,8 @@ TEST(CameraForms, PlaceDirectionAndRoll)
         }
 }
 
-/// A point-like square at depth z through a lens of diameter a focused at f: a disk whose diameter in the plane of
-/// focus is a |z - f| / z, measured by its second moment.
+/// A point-like square at depth z, seen through a lens of diameter a focused at f, becomes a disk whose diameter in the
+/// plane of focus is a |z - f| / z, measured by its second moment.
 TEST(CameraForms, CircleOfConfusion)
 {
     struct Case {
@@ -147,7 +147,7 @@ TEST(CameraForms, CircleOfConfusion)
         // Pixel size at distance 1 is 2 tan(15 deg) / n.
         const double focus = c.focus > 0 ? c.focus : c.look_at, pixel = 2 * std::tan(std::numbers::pi / 12) / n;
         const double radius = c.aperture / 2 * std::abs(c.depth - focus) / c.depth / focus / pixel;
-        // Variances of the uniform disk, the square and the pixel.
+        // The expected variance is the sum of those of the uniform disk, the square and the pixel.
         const double expected = radius * radius / 4 + std::pow(half / c.depth / pixel, 2) / 3 + 1.0 / 12;
         for (int k = 0; k < 2; ++k) {
             EXPECT_NEAR(mean[k] / sum, 0, 0.1);
@@ -160,7 +160,7 @@ TEST(CameraForms, CircleOfConfusion)
     }
 }
 
-/// A white half plane: pixels near its edge have the filter's integral beyond the edge, computed numerically.
+/// Pixels near the edge of a white half plane have the filter's integral beyond the edge, computed numerically.
 TEST(FilterForms, ResponseToAnEdge)
 {
     const auto gaussian = [](double x) { return std::abs(x) < 2 ? std::exp(-2 * x * x) - std::exp(-8.0) : 0; };
@@ -194,7 +194,7 @@ TEST(FilterForms, ResponseToAnEdge)
             s.camera({0, 0, 5}, {0, 0, 0});
             s.scene.cameras[0].kind = CameraKind::orthographic;
             s.scene.cameras[0].height = 16;  // one pixel per meter
-            // White on the right, or at the bottom.
+            // The half plane is on the right, or at the bottom.
             s.add(upright ? Rectangle{{-50, -100, 0}, {100, 0, 0}, {0, 100, 0}}
                           : Rectangle{{0, -50, 0}, {100, 0, 0}, {0, 100, 0}},
                   s.white());
@@ -216,7 +216,7 @@ TEST(FilterForms, ResponseToAnEdge)
         }
 }
 
-/// Layers of a sphere against its equation.
+/// Layers of a sphere agree with its equation.
 TEST(Layers, OfASphere)
 {
     for (const bool tree : {false, true}) {
@@ -236,7 +236,7 @@ TEST(Layers, OfASphere)
             const std::size_t i = std::size_t(y * 33 + x);
             const double scale = std::tan(15 * std::numbers::pi / 180) * 2 / 33;
             const Vec3d d = normalize(Vec3d{(x - 16) * scale, (16 - y) * scale, -1});
-            // Point (0, 0, 7) + t d relative to the center.
+            // The hit point (0, 0, 7) + t d is relative to the center.
             const double t = -7 * d.z - std::sqrt(49 * d.z * d.z - 49 + 2.25);
             const Vec3d p = Vec3d{0, 0, 7} + d * t, n = p * (1 / 1.5);
             const auto value = [&](const char* name, std::size_t stride, std::size_t c) {
@@ -246,7 +246,7 @@ TEST(Layers, OfASphere)
             EXPECT_NEAR(value("normal", 3, 0), n.x, 0.02);
             EXPECT_NEAR(value("normal", 3, 1), n.y, 0.02);
             EXPECT_NEAR(value("normal", 3, 2), n.z, 0.02);
-            EXPECT_NEAR(value("depth", 1, 0), -d.z * t, 0.02);  // along the view axis
+            EXPECT_NEAR(value("depth", 1, 0), -d.z * t, 0.02);  // depth is along the view axis
             EXPECT_NEAR(value("position", 3, 0), 1 + p.x, 0.02);
             EXPECT_NEAR(value("position", 3, 1), 2 + p.y, 0.02);
             EXPECT_NEAR(value("position", 3, 2), -3 + p.z, 0.02);
@@ -262,8 +262,8 @@ TEST(Layers, OfASphere)
     }
 }
 
-/// Planes at 4 and 8 m whose edge cuts a pixel column. Depth is along the axis, averaged over samples that hit; albedo
-/// and normals average all samples including the sky; ids come from one sample.
+/// Planes at 4 and 8 m have an edge that cuts a pixel column. Depth is along the axis, averaged over samples that hit;
+/// albedo and normals average all samples including the sky; ids come from one sample.
 TEST(Layers, OfPlanesAndTheirEdge)
 {
     SceneBuilder b;
@@ -337,7 +337,7 @@ TEST(Layers, NormalsOfSmoothMeshesAndBacks)
     mesh.indices = {0, 1, 2};
     b.scene.meshes.push_back(mesh);
     b.add(MeshInstance{0}, b.diffuse(0.5f));
-    b.add(Rectangle{{-1, -1, -4}, {0, 2, 0}, {2, 0, 0}}, b.diffuse(0.5f));  // its front faces away
+    b.add(Rectangle{{-1, -1, -4}, {0, 2, 0}, {2, 0, 0}}, b.diffuse(0.5f));  // the front of this rectangle faces away
     b.camera({0, 0, 5}, {0, 0, 0});
     b.scene.cameras[0].kind = CameraKind::orthographic;
     RenderSettings settings = small_image_settings(16, 16);
@@ -352,8 +352,8 @@ TEST(Layers, NormalsOfSmoothMeshesAndBacks)
     EXPECT_NEAR(image.find("normal")->pixels[3 * (2 * 16 + 13) + 2], 1, 1e-6);
 }
 
-/// All-around cameras: each pixel center sees the environment in the direction of the projection's formula. A vertical
-/// gradient is joined by lights that identify right and ahead.
+/// Each pixel center of an all-around camera sees the environment in the direction of the projection's formula. A
+/// vertical gradient is joined by lights that identify right and ahead.
 TEST(CameraForms, AllDirections)
 {
     for (const bool equal_area : {false, true}) {
@@ -365,9 +365,9 @@ TEST(CameraForms, AllDirections)
         b.scene.nodes[0].camera = 0;
         b.scene.environment.kind = EnvironmentKind::gradient;
         b.scene.environment.bottom = {0, 0, 0}, b.scene.environment.top = {1, 1, 1};
-        b.add(Sphere{{5, 0, -10}, 0.5, {}}, b.diffuse(0, {7, 0, 0}));  // ahead
-        b.add(Sphere{{15, 0, 0}, 0.5, {}}, b.diffuse(0, {0, 7, 0}));   // this light is on the right
-        b.add(Sphere{{5, 0, 10}, 0.5, {}}, b.diffuse(0, {0, 0, 7}));   // this light is behind
+        b.add(Sphere{{5, 0, -10}, 0.5, {}}, b.diffuse(0, {7, 0, 0}));  // a light ahead of the camera
+        b.add(Sphere{{15, 0, 0}, 0.5, {}}, b.diffuse(0, {0, 7, 0}));   // a light to the right of the camera
+        b.add(Sphere{{5, 0, 10}, 0.5, {}}, b.diffuse(0, {0, 0, 7}));   // a light behind the camera
         const int w = 80, h = equal_area ? 80 : 40;
         const Film film = render_film(b.scene, small_image_settings(w, h), 16);
         const Image image = film.image(false, false);
@@ -380,9 +380,9 @@ TEST(CameraForms, AllDirections)
             EXPECT_GT(at(0.5, 0).r, 3);
             EXPECT_GT(at(1, 0.5).g, 3);
             EXPECT_GT(at(0.5, 1).b, 3);
-            EXPECT_NEAR(at(0.5, 0.5).r, 1, 0.02);  // straight up
+            EXPECT_NEAR(at(0.5, 0.5).r, 1, 0.02);  // the view straight up
             for (const double corner : {0.0, 1.0}) EXPECT_NEAR(at(corner, corner).r, 0, 0.02);
-            // Weighted by solid angle, the mean is that of the whole sphere.
+            // The mean weighted by solid angle is that of the whole sphere.
             double sum = 0;
             for (std::size_t i = 0; i < pixels.size(); i += 3) sum += std::min(1.0, double(pixels[i])) / (w * h);
             EXPECT_NEAR(sum, 0.5, 0.005);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Lights, lenses and textures against closed forms, one at a time: any factor of two would show.
+/// Tests of lights, lenses and textures against closed forms, one at a time, so that any factor of two shows.
 #include "image/pictures.h"
 #include "picture_helpers.h"
 #include "scene/parameters.h"
@@ -38,12 +38,13 @@ TEST(ClosedForm, DirectionalLightsAtAngles)
             light.angle = disk;
             b.light(light, Transform::rotate({0, 0, 1}, angle) * Transform::rotate({1, 0, 0}, -pi / 2));
             SCOPED_TRACE(std::to_string(disk) + " " + std::to_string(angle));
-            // Irradiance at normal incidence times the cosine, exact while the disk is above the horizon.
+            // Irradiance is that at normal incidence times the cosine, which is exact while the disk is above the
+            // horizon.
             expect_mean(render_film(b.scene, small_image_settings(8, 8), 256), 0.5 / pi * 7 * std::cos(angle), 0.004);
         }
 }
 
-/// E = pi L sin^2(a) cos for a sphere of half angle a; pi L r^2 / (r^2 + h^2) for a disk directly above.
+/// E = pi L sin^2(a) cos for a sphere of half angle a, and E = pi L r^2 / (r^2 + h^2) for a disk directly above.
 TEST(ClosedForm, BallsAndDisksAtDistances)
 {
     for (bool light_sampling : {true, false})
@@ -84,13 +85,13 @@ void expect_irradiance(int w, int h)
         return (texel(x0, y0, c) * (1 - fx) + texel(x0 + 1, y0, c) * fx) * (1 - fy) +
                (texel(x0, y0 + 1, c) * (1 - fx) + texel(x0 + 1, y0 + 1, c) * fx) * fy;
     };
-    // A rotation that distinguishes the image's axes.
+    // The rotation distinguishes the image's axes.
     const Transform turn = Transform::rotate({1, 2, 0.5}, 0.6);
     double expected[3] = {};
     constexpr int n = 1000;
     for (int i = 0; i < n; ++i)
         for (int j = 0; j < n; ++j) {
-            // Cosine-weighted directions from points of the unit disk.
+            // Directions are cosine-weighted, from points of the unit disk.
             const double r = std::sqrt((i + 0.5) / n), phi = 2 * pi * (j + 0.5) / n;
             const Vec3d d = turn.inverse().vector({r * std::cos(phi), std::sqrt(1 - r * r), r * std::sin(phi)});
             for (int c = 0; c < 3; ++c) expected[c] += radiance(d, c) / (n * n);
@@ -144,8 +145,8 @@ TEST(ClosedForm, IlluminanceOfPictures)
     }
 }
 
-/// Blurred edge between black and white: the share of each pixel's circle of confusion that lies beyond the edge. In
-/// focus the circle is a point.
+/// The blurred edge between black and white gives the fraction of each pixel's circle of confusion that lies beyond the
+/// edge. In focus the circle is a point.
 TEST(ClosedForm, LensAndFocus)
 {
     constexpr double aperture = 0.2, distance = 3;

@@ -6,7 +6,7 @@ namespace {
 
 using namespace test;
 
-/// Mean radiance against the mean of two independent renderers with billions of samples.
+/// Expects the mean radiance to agree with the mean of two independent renderers with billions of samples.
 void expect_cornell(const char* name, const double (&expected)[3])
 {
     Warnings warnings;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "floor.h"
 
-// Emissive curves: with NEE and with BSDF sampling alone, they illuminate a floor equally except for noise.
+// Tests of emissive curves: with NEE and with BSDF sampling alone, they illuminate a floor equally except for noise.
 namespace fathom {
 namespace {
 
@@ -21,7 +21,7 @@ Curves glowing(CurveBasis basis, bool ribbons, float radius)
     return curves;
 }
 
-/// points: the control points move; both: the node moves as well.
+/// Where the curves are. points: their control points move; both: their node moves as well.
 enum class Place { world, placed, moving, points, both };
 constexpr Place places[] = {Place::world, Place::placed, Place::moving, Place::points, Place::both};
 
@@ -47,7 +47,7 @@ void add_curves(SceneBuilder& b, Curves curves, Place place)
         node.motion = {{0, {}},
                        {1, Transform::translate({0.6, 0.2, 0}) * Transform::rotate({0, 1, 0.1}, 1) *
                                Transform::scale({0.8, 0.8, 0.8})}};
-    // Two placements make instances.
+    // With two placements, curves become instances.
     for (int i = 0; i < (place == Place::placed ? 2 : 1); ++i) {
         b.scene.roots.push_back(int(b.scene.nodes.size()));
         b.scene.nodes.push_back(node);
@@ -101,7 +101,7 @@ TEST(CurveLights, HaveLessNoise)
         }
 }
 
-/// A straight round curve against its cylinder and end hemispheres, integrated over cells.
+/// A straight round curve emits as its cylinder and end hemispheres do, integrated over cells.
 TEST(CurveLights, ARodSendsWhatACapsuleDoes)
 {
     const double r = 0.1, y = 0.8, length = 1.2;

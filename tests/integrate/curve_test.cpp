@@ -8,7 +8,7 @@ namespace {
 
 using namespace test;
 
-/// Control points on a helix, with radius r.
+/// Curves with control points on a helix, of radius r.
 Curves helix(CurveBasis basis, bool ribbons, int points, float r)
 {
     Curves curves;
@@ -23,7 +23,7 @@ Curves helix(CurveBasis basis, bool ribbons, int points, float r)
     return curves;
 }
 
-/// The helix moving to a thicker one.
+/// The helix that moves to a thicker one.
 Curves winding(CurveBasis basis, bool ribbons, int points, float r)
 {
     Curves curves = helix(basis, ribbons, points, r);
@@ -106,7 +106,7 @@ TEST(CurveImages, balls_are_spheres)
     }
 }
 
-/// Curves of each basis coincide with a fine polyline of it.
+/// Curves of each basis coincide with a fine polyline of the basis' curve.
 TEST(CurveImages, bases_are_what_they_say)
 {
     const auto covered = [](const Curves& curves) {

@@ -6,8 +6,8 @@
 
 namespace fathom::test {
 
-/// A floor y = 0 whose irradiance is measured at one point seen from above, by each rendering path: quad loop, list of
-/// shapes (with a sphere), BVH, and everything instanced.
+/// A scene with a floor y = 0, whose irradiance is measured at one point seen from above, by each rendering path: quad
+/// loop, list of shapes (with a sphere), BVH, and everything instanced.
 class Floor {
 public:
     static constexpr float albedo = 0.5f;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// White furnaces: enclosures and skies of uniform radiance.
+/// Tests of white furnaces: enclosures and skies of uniform radiance.
 #include "picture_helpers.h"
 
 namespace fathom {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "picture_helpers.h"
 
-// Glass and mirrors against the laws of reflection and refraction.
+// Tests of glass and mirrors against the laws of reflection and refraction.
 namespace fathom {
 namespace {
 
@@ -56,8 +56,8 @@ TEST(GlassForms, ASlabShiftsWhatIsBehindIt)
                 b.add(Rectangle{{-50, -50, 0}, {100, 0, 0}, {0, 100, 0}}, b.material(glass));
             else
                 b.add(Box{{-50, -50, -thickness}, {50, 50, 0}}, b.material(glass));
-            // A half plane behind the slab, perpendicular to the ray, with its edge on the straight continuation of the
-            // ray.
+            // The half plane behind the slab is perpendicular to the ray, with its edge on the straight continuation of
+            // the ray.
             const Vec3d d{std::sin(a), 0, -std::cos(a)}, across{std::cos(a), 0, std::sin(a)};
             b.add(Rectangle{d * 20 + Vec3d{0, -9, 0}, across * 9, {0, 18, 0}}, b.material(light));
             // The camera is so far away that the whole image starts in front of the slab.
@@ -65,7 +65,7 @@ TEST(GlassForms, ASlabShiftsWhatIsBehindIt)
             b.scene.cameras[0].kind = CameraKind::orthographic;
             b.scene.cameras[0].height = 4;
             RenderSettings settings = small_image_settings(64, 16);
-            // Straight transmission takes two refractions, or one event of thin glass.
+            // Straight transmission takes two refractions, or one scattering event of thin glass.
             settings.max_depth = thin ? 1 : 2;
             const Image image = render_film(b.scene, settings, 256).image(false, false);
             // The image is 16 units wide; the edge is where brightness reaches half of its step.
@@ -104,7 +104,7 @@ TEST(MirrorForms, ShowsTheMirroredDirection)
     b.add(Sphere{{3, 3, 0}, 0.5, {}}, b.material(light));
     b.camera({-3, 3, 0}, {0, 0, 0}, 1);
     const Mean m = mean_of(render_film(b.scene, small_image_settings(4, 4), 16));
-    // Schlick's reflectance at 45 degrees.
+    // Reflectance is Schlick's at 45 degrees.
     const double w = std::pow(1 - std::sqrt(0.5), 5), color[] = {0.9, 0.6, 0.3};
     for (int c = 0; c < 3; ++c) EXPECT_NEAR(m.value[c], 2 * (color[c] + (1 - color[c]) * w), 2e-3);
     b.scene.nodes[0].shapes.pop_back();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// RenderSettings::guiding changes sampling but not the expected image.
+/// Tests that RenderSettings::guiding changes sampling but not the expected image.
 #include <numeric>
 
 #include "picture_helpers.h"
@@ -56,7 +56,7 @@ RenderSettings guided(RenderSettings settings = small_image_settings())
     return settings;
 }
 
-/// The means of two images differ by less than 4.5 standard errors of the difference.
+/// Expects that the means of two images differ by less than 4.5 standard errors of the difference.
 void expect_same_mean(const Film& film, const Film& other, const std::string& what)
 {
     const Mean a = mean_of(film), b = mean_of(other);
@@ -66,7 +66,7 @@ void expect_same_mean(const Film& film, const Film& other, const std::string& wh
     EXPECT_LT(std::hypot(a.error[0], b.error[0]), 0.02 / 4.5 * b.value[0]) << what;
 }
 
-/// Guiding is active: the sums differ from those without it.
+/// Expects that guiding is active: the sums differ from those without it.
 void expect_in_use(const SceneDescription& scene, const RenderSettings& settings, const std::string& what)
 {
     RenderSettings plain = settings;
@@ -121,7 +121,7 @@ TEST(Guiding, ChangesTheNoiseOnlyWhereLightsAreFoundByChance)
                      "by chance");
 }
 
-/// Glossy walls: guiding gets a lower weight, and roulette uses their reflectance.
+/// Between glossy walls guiding gets a lower weight, and roulette uses the walls' reflectance.
 TEST(Guiding, ChangesTheNoiseOnlyBetweenGlossyWalls)
 {
     const SceneDescription scene = two_chambers(gray(0.8f), of_kind(MaterialKind::principled, 0.4f, 0.25f), 1);
@@ -130,7 +130,7 @@ TEST(Guiding, ChangesTheNoiseOnlyBetweenGlossyWalls)
                      "glossy walls");
 }
 
-/// Two rooms joined by a hole of the given width in the ceiling; the square light, of the given edge, is in the upper
+/// Two rooms joined by a hole of the given width in the ceiling. The square light, of the given edge, is in the upper
 /// room, the camera in the lower.
 ///
 /// The light is visible almost everywhere above and hardly anywhere below. Guiding cells of both rooms are neighbors
@@ -147,8 +147,8 @@ SceneBuilder two_floors(const Material& walls, double hole, double lamp)
     return b;
 }
 
-/// NEE with a probability is unbiased: the remaining samples are weighted up, and BSDF samples that hit lights complete
-/// MIS.
+/// NEE with a probability is unbiased: the remaining samples are weighted up, and MIS with BSDF samples that hit lights
+/// is complete.
 TEST(Guiding, SamplesLightsByChanceWhereTheyRarelyArrive)
 {
     const SceneDescription scene = two_floors(gray(0.8f), 0.3, 1.8).scene;
@@ -197,7 +197,7 @@ TEST(Guiding, TracesShadowRaysThatAreWorthIt)
     expect_same_mean(render_film(scene, guided(), 2048), render_film(scene, small_image_settings(), 4096), "lamp");
 }
 
-/// A room open to the sky, which only unoccluded rays reach.
+/// The room is open to the sky, which only unoccluded rays reach.
 TEST(Guiding, ChangesTheNoiseOnlyBelowASky)
 {
     SceneBuilder b;
@@ -301,7 +301,7 @@ TEST(Guiding, ReplaysASample)
     }
 }
 
-/// If NEE finds nearly all light, there is nothing to learn.
+/// A scene in which NEE finds nearly all light, so that there is nothing to learn.
 SceneDescription lamp_above()
 {
     SceneBuilder b;
@@ -312,7 +312,7 @@ SceneDescription lamp_above()
     return b.scene;
 }
 
-/// Guiding that does not pay is disabled: the sums equal those without it.
+/// Guiding that does not pay off is disabled: the sums equal those without it.
 TEST(Guiding, IsLeftOutWhereItWouldNotPay)
 {
     const SceneDescription scene = lamp_above();

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "picture_helpers.h"
 
-// Round glass curves: closed solids with an inside and an outside.
+// Tests of round glass curves: closed solids with an inside and an outside.
 namespace fathom {
 namespace {
 
@@ -75,7 +75,7 @@ double distance_inside(const Curves& chain, Vec3d o, Vec3d d)
 }
 
 /// Glass of index 1 does not refract: transmission follows the Beer-Lambert law by the total distance inside all
-/// pieces. Cameras outside and inside.
+/// pieces, for cameras outside and inside.
 TEST(HairLobes, AbsorbByThePathLengthThroughAllSegments)
 {
     const Curves chain = bent(CurveBasis::linear);

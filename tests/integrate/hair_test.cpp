@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "picture_helpers.h"
 
-// Hair: one scattering event covers reflection and transmission, whichever side the light leaves.
+// Tests of hair: one scattering event covers reflection and transmission, whichever side the light leaves.
 namespace fathom {
 namespace {
 
@@ -75,7 +75,7 @@ double directional_albedo(double h, double sigma)
     return f + (1 - f) * (1 - f) * left / (1 - f * left);
 }
 
-/// A rod across the view with nearly parallel rays (0.01 rad): each pixel row has its offset across the width.
+/// The rod lies across the view, with nearly parallel rays (0.01 rad): each pixel row has its offset across the width.
 /// Scattering twice in one fiber would lose more light.
 TEST(Hair, AbsorbsByWhereAcrossTheWidthItIsMet)
 {
@@ -117,7 +117,7 @@ TEST(Hair, IsLitFromBehind)
             s.scene.curves.push_back(straight(ribbons));
             s.add(CurvesInstance{0}, s.material(hair({0.2f, 0.2f, 0.2f})));
             s.camera({0, 0.3, 8}, {0, 0, 0}, 20);
-            // A square light close behind the rod.
+            // A square light is close behind the rod.
             s.add(Rectangle{{-4, -4, -3}, {8, 0, 0}, {0, 8, 0}}, s.diffuse(0, {1, 1, 1}));
             RenderSettings settings = small_image_settings(16, 16);
             settings.light_sampling = sampled;
@@ -129,7 +129,7 @@ TEST(Hair, IsLitFromBehind)
     }
 }
 
-/// The first nonzero of melanin, absorption and color determines the absorption.
+/// The first of melanin, absorption and color that is not zero determines the absorption.
 TEST(Hair, ColorByMelaninAbsorptionOrColor)
 {
     const auto albedo = [](const Material& m) {
@@ -146,7 +146,7 @@ TEST(Hair, ColorByMelaninAbsorptionOrColor)
     Material by_absorption =
         hair({0.8f * 0.419f + 0.5f * 0.187f, 0.8f * 0.697f + 0.5f * 0.4f, 0.8f * 1.37f + 0.5f * 1.05f});
     Material by_color = hair({0, 0, 0});
-    // Fit of Chiang et al. 2016 for azimuthal roughness 0.3.
+    // The fit is that of Chiang et al. 2016 for azimuthal roughness 0.3.
     const double fit = 5.969 - 0.215 * 0.3 + 2.532 * 0.09 - 10.73 * 0.027 + 5.574 * 0.0081 + 0.245 * 0.00243;
     const auto look = [&](double sigma) { return float(std::exp(-std::sqrt(sigma) * fit)); };
     const Color a = by_absorption.hair.absorption.value;
@@ -159,8 +159,7 @@ TEST(Hair, ColorByMelaninAbsorptionOrColor)
     EXPECT_EQ(albedo(both).value[0], albedo(hair({0.3f, 0.3f, 0.3f})).value[0]);
 }
 
-/// On other shapes, hair fibers run along increasing u: a sphere, a disk, a parallelogram and triangles with white
-/// hair.
+/// Hair fibers run along increasing u on other shapes: a sphere, a disk, a parallelogram and triangles with white hair.
 TEST(Hair, OnOtherShapes)
 {
     Mesh two;
@@ -203,7 +202,7 @@ TEST(Hair, OnABandOfTrianglesAsOnARibbon)
                 s.add(MeshInstance{0}, m);
             else
                 s.add(CurvesInstance{0}, m);
-            // The upper or lower half, illuminated from above: they differ.
+            // The upper and the lower half, illuminated from above, differ.
             Light sun;
             sun.kind = LightKind::directional;
             s.light(sun, rotate_to({0.1, -1, -0.4}));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// RenderSettings::clamp_indirect, sample by sample, compared with unclamped samples.
+/// Tests of RenderSettings::clamp_indirect, sample by sample, against unclamped samples.
 #include "general_loop.h"
 #include "picture_helpers.h"
 
@@ -24,7 +24,7 @@ SceneBuilder room()
     return b;
 }
 
-/// With a glass sphere, whose caustic makes fireflies.
+/// The room with a glass sphere, whose caustic makes fireflies.
 SceneBuilder room_with_glass()
 {
     SceneBuilder b = room();
@@ -34,7 +34,7 @@ SceneBuilder room_with_glass()
     return b;
 }
 
-/// With enough spheres to need a BVH.
+/// The room with enough spheres to need a BVH.
 SceneBuilder room_with_a_tree()
 {
     SceneBuilder b = room_with_glass();
@@ -43,7 +43,7 @@ SceneBuilder room_with_a_tree()
     return b;
 }
 
-/// Radiance of a sample: total, and the part with at most one surface between camera and light.
+/// Radiance of a sample: the total, and the part with at most one surface between camera and light.
 struct Parts {
     double all, direct;
 };
@@ -75,7 +75,7 @@ private:
     RenderJob all_, direct_;
 };
 
-/// Each clamped sample is its direct light plus the indirect part, limited.
+/// Expects that each clamped sample is its direct light plus the limited indirect part.
 void expect_limited(const SceneDescription& description, RenderSettings settings, float limit, std::uint64_t samples)
 {
     const SamplesOf free(description, settings);
@@ -88,12 +88,12 @@ void expect_limited(const SceneDescription& description, RenderSettings settings
                 const Parts a = free.at(x, y, sample), b = clamped.at(x, y, sample);
                 ASSERT_EQ(a.direct, b.direct) << x << "," << y << " sample " << sample;
                 const double indirect = a.all - a.direct, expected = a.direct + std::min(indirect, double(limit));
-                // Sums of floats in a different order.
+                // The sums of floats have different orders.
                 ASSERT_NEAR(b.all, expected, 1e-5 * (a.all + limit)) << x << "," << y << " sample " << sample;
                 ++(indirect > limit ? cut : kept);
                 direct += a.direct > limit;
             }
-    // Otherwise the test would have seen no clamping.
+    // Enough samples were clamped for the test to be meaningful.
     EXPECT_GT(cut, 20);
     EXPECT_GT(kept, 20);
     EXPECT_GT(direct, 20);
@@ -135,7 +135,7 @@ TEST(IndirectClamp, FarAboveAllLightChangesNoBit)
               render_film(scene, limited, 16).image(false, true).layers[0].pixels);
 }
 
-/// The warned-about caustic noise of few samples disappears with clamping.
+/// Caustic noise of few samples, which gives a warning, disappears with clamping.
 TEST(IndirectClamp, RemovesReportedFireflies)
 {
     RenderSettings settings = small_image_settings(64, 48);

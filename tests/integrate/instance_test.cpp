@@ -52,7 +52,8 @@ TEST(InstanceImages, is_that_of_the_mesh_itself)
                 Light sun;
                 sun.kind = LightKind::directional;
                 s.light(sun, Transform::rotate({1, 2, 0}, 1));
-                // outer: two placements; middle: mirrored and stretched; inner: the shape.
+                // The outer node has two placements, the middle one is mirrored and stretched, and the inner one has
+                // the shape.
                 for (int outer = 0; outer < 2; ++outer)
                     for (int middle = 0; middle < 2; ++middle) {
                         if (!instances || s.scene.meshes.empty()) s.scene.meshes.push_back(ball(normals));

@@ -6,7 +6,7 @@ namespace {
 
 using namespace test;
 
-/// An illuminated corner with a sphere and a mesh, of the given size and position.
+/// A lit corner of a room with a sphere and a mesh, of the given size and position.
 SceneDescription corner(double s, Vec3d shift)
 {
     SceneBuilder b;
@@ -50,7 +50,7 @@ TEST(Invariance, ScaleAndPlaceChangeThePictureByRoundingOnly)
     for (double s : {1e-6, 1e-3, 1e6})
         for (double far : {0.0, 1e7}) {
             const Film other = render_film(corner(s, Vec3d{far, -far, far} * (4 * s)), small_image_settings(), 64);
-            // With equal random numbers, paths differ only where rounding decides.
+            // The random numbers are equal, so paths differ only where rounding decides.
             EXPECT_LT(mean_difference(one, other), 0.01) << s << " " << far;
             EXPECT_NEAR(mean_of(other).value[0], expected.value[0], 4 * expected.error[0]) << s << " " << far;
         }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Irradiance of a floor by each kind of light, against closed forms.
+/// Tests of the irradiance of a floor by each kind of light, against closed forms.
 #include "picture_helpers.h"
 
 namespace fathom {
@@ -126,7 +126,7 @@ TEST(Lights, AlphaOfALamp)
 
 TEST(Lights, DiskOverAPlane)
 {
-    // Disk of radius r at height h, centered above: E = pi L r^2 / (r^2 + h^2).
+    // The disk has radius r and is centered at height h: E = pi L r^2 / (r^2 + h^2).
     SceneBuilder b = floor_scene(0.5f, 0.5);
     b.add(Disk{{0, 2, 0}, {0, -1, 0}, 1}, b.diffuse(0, {3, 3, 3}));
     b.scene.cameras[0].position = {0.3, 0.5, 0};
@@ -146,7 +146,7 @@ TEST(Lights, PointSpotAndDirectional)
     expect_mean(mean(light, {1, 2, 0}), 0.5 / std::numbers::pi * 5 / 5 * (2 / std::sqrt(5.0)), 0.005);
     light.kind = LightKind::directional;
     expect_mean(mean(light, {0, 0, 0}), 0.5 / std::numbers::pi * 5);
-    // A disk of directions so large that BSDF samples would often hit it if it were visible.
+    // The light is a disk of directions so large that BSDF samples would often hit it if it were visible.
     light.angle = 1.2;
     expect_mean(mean(light, {0, 0, 0}), 0.5 / std::numbers::pi * 5);
     light.kind = LightKind::spot;
@@ -156,8 +156,8 @@ TEST(Lights, PointSpotAndDirectional)
     expect_mean(mean(light, {3, 2, 0}), 0, 0);
 }
 
-/// Spot light from the cone's center to beyond its edge, for tiny cones to more than a hemisphere: formula of
-/// KHR_lights_punctual in double precision.
+/// Spots of all widths, from tiny cones to more than a hemisphere, follow the formula of KHR_lights_punctual in double
+/// precision, from the cone's center to beyond its edge.
 TEST(Lights, SpotOfEveryWidth)
 {
     const auto one_minus_cos = [](double a) { return 2 * std::sin(a / 2) * std::sin(a / 2); };
@@ -198,7 +198,7 @@ TEST(Lights, Beams)
         light.width = 1.6, light.height = 0.6;
         light.round = round;
         b.light(light, place);
-        // Foot of the perpendicular in the area's coordinates, by the normal equations of least squares.
+        // This is the foot of the perpendicular in the area's coordinates, by the normal equations of least squares.
         const Vec3d u = place.vector({0.8, 0, 0}), v = place.vector({0, 0.3, 0}), from = -place.point({0, 0, 0});
         Vec3d n = normalize(cross(u, v));
         if (dot(n, place.vector({0, 0, -1})) < 0) n = -n;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Lights hidden from the camera, and lights that no ray hits.
+// Tests of lights that are hidden from the camera, and of lights that no ray hits.
 #include "picture_helpers.h"
 
 namespace fathom {

@@ -6,7 +6,7 @@
 #include "picture_helpers.h"
 #include "scene/parameters.h"
 
-// Effects of textures, normal maps and tangents on layered materials: a square under one directional light.
+// Tests of textures, normal maps and tangents on layered materials: a square under one directional light.
 namespace fathom {
 namespace {
 
@@ -19,7 +19,7 @@ struct Shown {
     Vec3d to_eye = normalize(Vec3d{0.5, -0.3, 1});
     Vec3d to_light = normalize(Vec3d{-0.2, 0.6, 0.8});
 
-    /// f cos: the reflected radiance of a directional light of illuminance 1.
+    /// Returns f cos, which is the reflected radiance of a directional light of illuminance 1.
     Color of(const std::function<void(Material&, SceneBuilder&)>& add_objects) const
     {
         SceneBuilder b;
@@ -74,7 +74,7 @@ void enable_all_layers(Material& m)
     m.thin_film.weight.value = 0.5f, m.thin_film.thickness.value = 350;
 }
 
-/// The counterpart for the Disney closure, solid or thin.
+/// Enables every lobe of the Disney closure, solid or thin.
 void enable_all_disney_lobes(Material& m, bool thin)
 {
     m.kind = MaterialKind::disney;
@@ -159,7 +159,7 @@ TEST(LayerForms, ColorsHaveTextures)
     for (const auto& [name, member] : colors) {
         Shown shown;
         const bool is_beyond = name.find("transmission") != std::string::npos;
-        // Grazing directions, where the edge color of a metal shows.
+        // The edge color of a metal shows at grazing directions.
         if (name == "edge_color")
             shown.to_eye = normalize(Vec3d{3, 0, 1}), shown.to_light = normalize(Vec3d{-3, 0.2, 1});
         if (is_beyond) shown.to_light = normalize(Vec3d{-0.4, 0.3, -0.8});
@@ -178,7 +178,7 @@ TEST(LayerForms, ColorsHaveTextures)
     }
 }
 
-/// Diffuse transmission of light from behind: Lambert's law times the transmitted fraction.
+/// Diffuse transmission of light from behind follows Lambert's law, times the transmitted fraction.
 TEST(LayerForms, DiffuseTransmissionOfLightFromBehind)
 {
     Shown shown;
@@ -191,7 +191,7 @@ TEST(LayerForms, DiffuseTransmissionOfLightFromBehind)
     expect_equal(c, {float(0.9 * lambert), float(0.5 * lambert), float(0.2 * lambert)}, "from behind");
 }
 
-/// f cos of GGX with height-correlated masking (alphas along t and b) and Schlick's Fresnel term with f0.
+/// Returns f cos of GGX with height-correlated masking (alphas along t and b) and Schlick's Fresnel term with f0.
 double ggx(Vec3d n, Vec3d t, Vec3d b, double along, double across, double f0, Vec3d o, Vec3d l)
 {
     const Vec3d h = normalize(o + l);

@@ -3,7 +3,7 @@
 
 #include "floor.h"
 
-// Illumination of a floor point by each kind of light, against its formula, at several places.
+// Tests of the illumination of a floor point by each kind of light, against its formula, at several places.
 namespace fathom {
 namespace {
 
@@ -261,7 +261,7 @@ TEST(LightForms, Sphere)
     }
 }
 
-/// Several lights of different kinds and strengths add up.
+/// All kinds of lights, of different strengths, add up.
 TEST(LightForms, AllKindsTogether)
 {
     Floor floor;
@@ -296,7 +296,7 @@ TEST(LightForms, SidesOfLamps)
                     const int lamp = b.diffuse(0, {3, 3, 3});
                     const double up = upside_down ? 1 : -1;
                     Node node;
-                    // Mirrored along x, which maps the shape onto itself.
+                    // The node mirrors along x, which maps the shape onto itself.
                     node.parent_from_node =
                         Transform::translate({0, 1, 0}) * Transform::scale({mirrored ? -1.0 : 1.0, 1, 1});
                     Shape shape;
@@ -380,7 +380,7 @@ protected:
         write_image(file_, image, {});
         x_ = x, y_ = y, bright_ = double(bright), grey_ = double(gray);
     }
-    /// Bilinear weight of the bright texel: a tent that reaches its neighbors' centers. Rows beyond the first and last
+    /// Bilinear weight of the bright texel, a tent that reaches its neighbors' centers. Rows beyond the first and last
     /// repeat them.
     double tent(double u, double v) const
     {
@@ -423,7 +423,7 @@ TEST_F(ImageEnvironment, AppearsInItsDirection)
     }
 }
 
-/// Irradiance of the floor by numerical integration of the image over the sky.
+/// Irradiance of the floor agrees with numerical integration of the image over the sky.
 TEST_F(ImageEnvironment, LightsTheFloor)
 {
     for (const auto& [x, y] : {std::pair{5, 2}, {0, 1}, {15, 3}, {8, 0}}) {
@@ -523,7 +523,7 @@ TEST_F(ImageEnvironment, IsSampledWhereItIsBright)
     floor.add_objects = [&](SceneBuilder& b) { use(b, {}); };
     for (int way = 0; way < 4; ++way) {
         const Mean m = floor.irradiance(0, 0, way);
-        // 16,384 samples with a relative variance of about 1 each.
+        // The bound holds for 16,384 samples with a relative variance of about 1 each.
         EXPECT_LT(m.error[0] / m.value[0], 0.015) << Floor::ways[way];
     }
 }

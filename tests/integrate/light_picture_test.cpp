@@ -9,7 +9,7 @@
 #include "fathom/image.h"
 #include "floor.h"
 
-// Lights with an intensity image: irradiance of floor points against formulas in double precision.
+// Tests of lights with an intensity image: irradiance of floor points against formulas in double precision.
 namespace fathom {
 namespace {
 
@@ -108,7 +108,7 @@ TEST(LightPictures, ProjectorsThroughTheirWindow)
         for (const bool flat_field : {false, true}) {
             const Case c = projector(nearest, flat_field);
             for (const Vec3d& p : floor_places) c.expect(p.x, p.z);
-            // Points inside and outside each of the four corners.
+            // The points are inside and outside each of the four corners.
             for (const double x : {-1.0, 1.0})
                 for (const double y : {-1.0, 1.0})
                     for (const double share : {0.98, 1.02}) {
@@ -288,7 +288,7 @@ TEST(LightPictures, ProfilesOfLuminaires)
     }
 }
 
-/// A spot light's cone with an image over the square around it.
+/// A spot light's image covers the square around its cone.
 TEST(LightPictures, SpotsShowThem)
 {
     Case c = projector(false, false);

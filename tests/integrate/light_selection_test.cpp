@@ -53,7 +53,7 @@ std::vector<NodeKey> random_motion(RandomNumbers& chance)
     return keys;
 }
 
-/// Triangles, a panel and a spot light in a moving node, and triangles with moving vertices.
+/// Adds triangles, a panel and a spot light in a moving node, and triangles with moving vertices.
 void add_moving_lights(SceneBuilder& b, RandomNumbers& chance)
 {
     Mesh mesh = random_triangles(chance, 5);
@@ -94,7 +94,8 @@ SceneDescription random_lights(unsigned seed)
     glossy.roughness.value = 0.4f;
     b.add(Rectangle{{-3, 0, 3}, {6, 0, 0}, {0, 0, -6}}, b.material(glossy));
     b.add(Rectangle{{-3, 0, -3}, {6, 0, 0}, {0, 4, 0}}, b.diffuse(0.6f));
-    // NEE and BSDF samples both find this panel; its highlight on the floor is wrong if their probabilities disagree.
+    // NEE and BSDF samples both find this panel. Its highlight on the floor would be wrong if their probabilities
+    // disagreed.
     b.add(Rectangle{{-1, 0.1, -1.5}, {2, 0, 0}, {0, 0.8, 0}}, b.diffuse(0, {3, 3, 3}));
     for (const bool two_sided : {false, true}) {
         b.scene.meshes.push_back(random_triangles(chance, int(seed) * 2));

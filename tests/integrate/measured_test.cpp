@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "picture_helpers.h"
 
-// Scenes with measured materials: orientation, and agreement of NEE and BSDF sampling.
+// Tests of scenes with measured materials: orientation, and agreement of NEE and BSDF sampling.
 namespace fathom {
 namespace {
 
@@ -9,8 +9,8 @@ using namespace test;
 
 using std::numbers::pi;
 
-/// A diffuse measured BRDF whose value per channel depends on the azimuth of the view only; integrals are 2 pi times
-/// it.
+/// A diffuse measured BRDF whose value per channel depends only on the azimuth of the view. Its integral over
+/// directions is 2 pi times the value.
 MeasuredBrdf even(const std::vector<float>& phis, const std::vector<Color>& colors)
 {
     MeasuredBrdf brdf;
@@ -61,7 +61,7 @@ TEST(MeasuredScenes, LieAlongTheTangent)
                 SceneBuilder s;
                 s.scene.environment.kind = EnvironmentKind::constant;
                 s.scene.measured = {even({0}, {{0.2f, 0.2f, 0.2f}}), even(quarters, by_quarter)};
-                // The front faces up: cross(edge_u, edge_v).
+                // The front faces up, along cross(edge_u, edge_v).
                 s.add(Rectangle{{-1, 0, 1}, {2, 0, 0}, {0, 0, -2}}, s.material(measured(1)));
                 s.scene.nodes[0].parent_from_node = Transform::rotate({0, 1, 0}, turned);
                 const double a = azimuth * pi / 180, e = elevation * pi / 180;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Nested solids and their absorption against closed forms.
+/// Tests of nested solids and their absorption against closed forms.
 #include "picture_helpers.h"
 
 namespace fathom {
@@ -23,7 +23,7 @@ Material glass(double ior, double transmittance_of_a_metre = 1, int priority = 0
 struct Layers {
     double through = 1, back = 0;
 
-    /// Adds a boundary in front.
+    /// Adds a boundary in front of the stack.
     void boundary(double ior_a, double ior_b)
     {
         const double root = (ior_a - ior_b) / (ior_a + ior_b), r = root * root;
@@ -31,11 +31,11 @@ struct Layers {
         through *= (1 - r) * all;
         back = r + (1 - r) * (1 - r) * back * all;
     }
-    /// Adds an absorbing medium in front.
+    /// Adds an absorbing medium in front of the stack.
     void way(double transmittance) { through *= transmittance, back *= transmittance * transmittance; }
 };
 
-/// White light from behind through boxes at normal incidence.
+/// Radiance of white light from behind that passes boxes at normal incidence.
 double classify_interface(const std::vector<std::pair<Box, Material>>& boxes, bool in_tree)
 {
     SceneBuilder b;
@@ -77,7 +77,7 @@ TEST(Media, WaterInAGlass)
         EXPECT_NEAR(
             classify_interface({{layer(0, -1), glass(1.6, 0.5)}, {layer(-0.9, -2), glass(1.33, 0.8, 1)}}, in_tree),
             shorter.through, 0.006);
-        // Fully nested without priorities: the inner medium applies.
+        // If boxes are nested without priorities, the inner medium applies.
         Layers inside;
         inside.boundary(1.6, 1);
         inside.way(0.5);
@@ -88,7 +88,7 @@ TEST(Media, WaterInAGlass)
         inside.boundary(1, 1.6);
         EXPECT_NEAR(classify_interface({{layer(0, -3), glass(1.6, 0.5)}, {layer(-1, -2), glass(1)}}, in_tree),
                     inside.through, 0.006);
-        // Overlapping boxes of one glass act as one.
+        // Overlapping boxes of the same glass act as one box.
         Layers one;
         one.boundary(1.6, 1);
         one.way(std::pow(0.5, 2.5));
@@ -99,7 +99,7 @@ TEST(Media, WaterInAGlass)
     }
 }
 
-/// A light, a mirror and a dark wall inside colored glass, seen through its surface.
+/// A light, a mirror and a dark wall inside colored glass are seen through its surface.
 TEST(Media, ObjectsInsideColoredGlass)
 {
     for (const bool mirrored : {false, true}) {
@@ -130,7 +130,7 @@ TEST(Media, ObjectsInsideColoredGlass)
 TEST(Media, ScatteringCountsAsBounces)
 {
     constexpr double thickness = 1.5;
-    // Transmittance of isotropic light from a plane: the exponential integral E2.
+    // Transmittance of isotropic light from a plane is the exponential integral E2.
     const auto passes = [](double depth) {
         double sum = 0;
         constexpr int n = 400;

@@ -2,7 +2,7 @@
 #include "fathom/error.h"
 #include "picture_helpers.h"
 
-// Materials that choose between two others at random.
+// Tests of materials that choose between two others at random.
 namespace fathom {
 namespace {
 

@@ -10,8 +10,8 @@ using namespace test;
 
 constexpr int width = 32, height = 24;
 
-/// An orthographic camera at z = 10 with a shutter from 0 to 1 s sees black objects on a white background: 8 m from
-/// left to right, 6 m from bottom to top.
+/// A scene with an orthographic camera at z = 10 whose shutter is open from 0 to 1 s. It sees black objects on a white
+/// background: 8 m from left to right, 6 m from bottom to top.
 struct Shadows : SceneBuilder {
     Shadows(double open = 0, double close = 1)
     {
@@ -290,7 +290,8 @@ TEST(MotionImages, normals_turn)
         node.shapes.push_back({MeshInstance{0}, gray, ""});
         s.scene.roots.push_back(int(s.scene.nodes.size()));
         s.scene.nodes.push_back(node);
-        // Mean of the cosine over pi. Normals are unit at the keys and linearly interpolated between them.
+        // The expected value is the mean of the cosine over pi. Normals have unit length at the keys and are linearly
+        // interpolated between them.
         double expected = 0;
         constexpr int times = 1000;
         for (int i = 0; i < times; ++i) {

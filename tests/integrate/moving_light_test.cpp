@@ -66,13 +66,13 @@ Cells ball_cells(Vec3d center, double radius)
     return cells;
 }
 
-/// A node's motion by closed formulas.
+/// A node's motion, given by closed formulas.
 struct NodeMotionCase {
     const char* name;
-    Vec3d shift;  ///< from (0, 0, 0)
+    Vec3d shift;  ///< translation at time 1, from (0, 0, 0)
     double angle = 0;
     Vec3d axis{0, 0, 1};
-    Vec3d scale{1, 1, 1};  ///< from (1, 1, 1)
+    Vec3d scale{1, 1, 1};  ///< scale at time 1, from (1, 1, 1)
 
     Transform at(double t) const
     {
@@ -137,7 +137,7 @@ const Vec3d floor_point{0.2, 0, 0.1};
 const Rectangle panel{{-0.4, 0.9, -0.3}, {0.8, 0.1, 0}, {0, 0.2, 0.7}};
 const std::vector<Vec3d> sail{{-0.4, 0.8, -0.3}, {0.5, 0.9, -0.2}, {0.1, 1.1, 0.5}};
 
-/// A kind of shape, as a node's geometry and as cells.
+/// A kind of shape: the shape of a node, and the same surface as cells for the reference integral.
 struct ShapeCase {
     const char* name;
     Shape shape;
@@ -223,7 +223,7 @@ TEST(MovingLights, VerticesThatMove)
             }
 }
 
-/// A light too small for BSDF samples to hit often; without NEE the noise is many times higher.
+/// The light is too small for BSDF samples to hit it often, so without NEE the noise is many times higher.
 TEST(MovingLights, HaveLessNoiseThanWhatIsFoundByChance)
 {
     const std::size_t count = forms(nullptr).size();
@@ -255,7 +255,7 @@ TEST(MovingLights, HaveLessNoiseThanWhatIsFoundByChance)
                 error[light_sampling] = m.error[0], value[light_sampling] = m.value[0];
             }
             EXPECT_NEAR(value[0], value[1], 4.5 * std::hypot(error[0], error[1]));
-            // Variances; of 16,384 samples without NEE a few hundred hit the light.
+            // Compares variances. Of 16,384 samples without NEE a few hundred hit the light.
             EXPECT_LT(std::pow(error[1], 2), std::pow(error[0], 2) / 10) << kind << " " << Floor::ways[way];
         }
 }
@@ -321,7 +321,7 @@ TEST(MovingLights, PointsSpotsProjectorsAndBeams)
                 light.width = 0.9, light.height = 0.6;
                 if (projector) b.scene.images.push_back(gradient_image());
                 b.light(light, rest);
-                // A moving parent whose origin differs from the light's.
+                // The light's parent moves, and its origin differs from the light's.
                 Node arm;
                 arm.motion = way.keys();
                 arm.children = {b.scene.roots.back()};

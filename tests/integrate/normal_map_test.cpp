@@ -6,7 +6,7 @@ namespace {
 
 using namespace test;
 
-/// Red and green of the map, as slopes along tangent and bitangent.
+/// Slopes along tangent and bitangent that red and green of the map stand for.
 constexpr double red = 0.4, green = 0.3;
 
 int normal_map(SceneBuilder& b)
@@ -48,7 +48,7 @@ Mesh sheet_mesh(const Sheet& sheet, std::uint32_t n)
             mesh.positions.push_back({float(x), float(y), 0});
             mesh.uvs[0].push_back({float(0.5 + su * x / 2), float(0.5 - sv * y / 2)});
             if (sheet.normals) mesh.normals.push_back({0, 0, nz});
-            // glTF: the bitangent, cross(normal, tangent) * w, points up in the image, towards increasing sv * y.
+            // The bitangent of glTF, cross(normal, tangent) * w, points up in the image, towards increasing sv * y.
             if (sheet.tangents) mesh.tangents.push_back({float(su), 0, 0, float(sv * su * nz)});
         }
     for (std::uint32_t i = 0; i < n; ++i)

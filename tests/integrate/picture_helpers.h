@@ -76,8 +76,8 @@ inline SceneBuilder floor_scene(float albedo, double fov_y_deg)
     return b;
 }
 
-/// A mesh of eight triangles, one per octant, each split into n^2: point(sign, i, j) with the octant's signs is the
-/// position of a vertex, of n + 1 rows.
+/// A mesh of eight triangles, one in each octant, each split into n^2. point(sign, i, j), with the octant's signs, is
+/// the position of a vertex in one of n + 1 rows.
 template <class Point>
 Mesh octahedron_mesh(std::uint32_t n, const Point& point)
 {
@@ -125,7 +125,7 @@ inline Film render_film(const SceneDescription& description, const RenderSetting
     return film;
 }
 
-/// Mean normal layer of an image of one pixel.
+/// Mean of the normal layer of an image of one pixel.
 inline Vec3d shown_normal(const SceneDescription& scene, std::uint64_t samples)
 {
     RenderSettings settings = small_image_settings(1, 1);

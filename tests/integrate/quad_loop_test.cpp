@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// The quad loop is an optimization: it has the same estimator as the general loop.
+/// Tests that the quad loop, which is an optimization, has the same estimator as the general loop.
 #include <random>
 
 #include "general_loop.h"
@@ -10,7 +10,7 @@ namespace {
 
 using namespace test;
 
-/// A cheap closure that is not plain diffuse.
+/// A material with a small closure that is not plain diffuse.
 Material other_material(SceneDescription& scene, std::mt19937& engine)
 {
     Material m;
@@ -34,7 +34,7 @@ Material other_material(SceneDescription& scene, std::mt19937& engine)
             m.kind = MaterialKind::unlit;
             break;
         default: {
-            // Diffuse except for a bump map or a color texture.
+            // The material is diffuse except for a bump map or a color texture.
             Texture texture;
             const bool is_bumped = m.roughness.value == 0;
             texture.kind = is_bumped ? TextureKind::fbm : TextureKind::checker_space;
@@ -100,7 +100,7 @@ SceneDescription random_room(unsigned seed, bool others)
     return b.scene;
 }
 
-/// Renders random rooms with both loops and compares them. others: see random_room.
+/// Renders random rooms with both loops and compares them. others: see random_room().
 void compare_loops(bool others)
 {
     for (unsigned seed = 1; seed <= 10; ++seed) {
@@ -129,7 +129,7 @@ void compare_loops(bool others)
             }
             more_variance += variances, variance_error2 += variances * variances;
         }
-        // Stratified samples are at least as good as their variance estimate: the mean of z^2 is at most 1.
+        // Stratified samples are at least as accurate as their variance estimate, so the mean of z^2 is at most 1.
         EXPECT_LT(z2 / n, 1.1);
         EXPECT_LT(std::abs(difference), 4 * std::sqrt(error2));
         EXPECT_LT(std::abs(more_variance), 4 * std::sqrt(variance_error2));

@@ -30,7 +30,7 @@ double covered_fraction()
     return double(covered) / (n * n);
 }
 
-/// A black sphere on a 10 km ground, and its shadow next to it.
+/// A black sphere on a 10 km ground, and its shadow, have the right size next to each other.
 TEST(RayOffset, ShadowsOfSmallThingsOnAHugeGround)
 {
     const double share = covered_fraction();

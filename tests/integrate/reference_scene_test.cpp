@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Third-party scenes compared with images rendered by Mitsuba 3 and pbrt-v4.
+// Tests of third-party scenes against images rendered by Mitsuba 3 and pbrt-v4.
 #include <filesystem>
 
 #include "fathom/image.h"
@@ -38,7 +38,7 @@ TEST(ReferenceScenes, MeansMatchMitsuba)
         expect_mean_of(folder / name / "scene.xml", folder / name / "reference.exr");
 }
 
-/// A scene without approximations: diffuse surfaces, metal and glass.
+/// The scene is converted without approximations: it has diffuse surfaces, metal and glass.
 TEST(ReferenceScenes, MeansMatchPbrt)
 {
     const std::filesystem::path folder = std::filesystem::path(FATHOM_SHARED_SCENES) / "pbrt-v4/veach-ajar";

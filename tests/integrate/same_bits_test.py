@@ -1,12 +1,13 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Checks that instruction sets, number of threads, BVH build level and rendering in parts change no bit of an image.
+"""Checks that the bits of an image don't depend on instruction set, number of threads, BVH quality and rendering in
+parts.
 
 usage: same_bits_test.py FATHOM SCENES"""
 import glob, os, subprocess, sys, tempfile
 
 SKIPPED = 77
-LEVELS = ["x86-64-v4", "x86-64-v3", "none"]  # "none" matches no folder, which selects the base library
+LEVELS = ["x86-64-v4", "x86-64-v3", "none"]  # "none" matches no library folder, so the loader takes the base library
 
 
 def loader():
@@ -27,12 +28,12 @@ GUIDED = [scene + guided_mark for scene in ("cornell-box", "environment", "insta
 
 
 def pixels(path):
-    """Pixel values: the end of an uncompressed EXR file with one float layer."""
+    """Returns the pixel values, which end an uncompressed EXR file of one float layer."""
     plain = path + ".plain.exr"
     subprocess.run([sys.argv[1], "merge", path, "-o", plain, "--no-sums", "--exr", "float", "-q"], check=True)
     with open(plain, "rb") as file:
         data = file.read()
-    row = 8 + WIDTH * 3 * 4  # row number and size, then three channels
+    row = 8 + WIDTH * 3 * 4  # a row has its number and size, then three channels
     values = data[-row * HEIGHT:]
     if int.from_bytes(values[4:8], "little") != row - 8 or not any(values[8:]):
         raise SystemExit(f"{plain}: not the layout that this test expects")

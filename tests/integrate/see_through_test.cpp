@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "picture_helpers.h"
 
-// Shadow rays pass index-matched boundaries with fog behind them, and thin panes. Checked with closed forms and with
-// BSDF sampling alone.
+// Tests of shadow rays that pass index-matched boundaries with fog behind them, and thin panes, against closed forms
+// and against BSDF sampling alone.
 namespace fathom {
 namespace {
 
@@ -86,7 +86,7 @@ SceneBuilder lamp_in_fog(const Material& around)
     return b;
 }
 
-/// Lights inside and outside of fog and panes, surfaces outside: with and without NEE the mean is equal.
+/// Lights inside and outside of fog and panes, and surfaces outside: the mean is equal with and without NEE.
 TEST(SeeThrough, AsByChanceAlone)
 {
     Material sheet = pane(1.4f, 0.8f), full = sheet;

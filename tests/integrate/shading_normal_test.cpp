@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Shading normals that differ from geometric normals: mirrors and glass still conserve energy.
+/// Tests of shading normals that differ from geometric normals: mirrors and glass still conserve energy.
 #include "picture_helpers.h"
 
 namespace fathom {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "picture_helpers.h"
 
-// Single-sided surfaces: the camera sees through their backs, but they block all other light.
+// Tests of single-sided surfaces: the camera sees through their backs, but they block all other light.
 namespace fathom {
 namespace {
 

@@ -35,8 +35,8 @@ TEST(SpaceTextures, FollowTheirTransform)
     }
 }
 
-/// Cosine of the geometric normal with a world-space direction, for rotated and mirrored shapes and those seen from
-/// behind.
+/// The texture is the cosine of the geometric normal with a world-space direction, for rotated and mirrored shapes and
+/// those seen from behind.
 TEST(SpaceTextures, FacingIsOfTheWorld)
 {
     const Vec3d direction = normalize(Vec3d{0.3, -0.7, 0.5});

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "picture_helpers.h"
 
-// Solids with subsurface scattering: Chandrasekhar's half-space, the Beer-Lambert law, and energy conservation.
+// Tests of solids with subsurface scattering: Chandrasekhar's half-space, the Beer-Lambert law, and energy
+// conservation.
 namespace fathom {
 namespace {
 
@@ -70,7 +71,7 @@ private:
     std::vector<double> h_;
 };
 
-/// Radiance under a white sky at the center of a solid's face that is far from all its other faces.
+/// Radiance under a white sky at the center of a face of a solid, far from all its other faces.
 Mean face_of(const Material& m, double degrees, std::uint64_t samples = 1024)
 {
     SceneBuilder b;
@@ -100,7 +101,7 @@ TEST(Subsurface, ColorIsTheAlbedoOfAHalfSpace)
     const double color[] = {0.15, 0.5, 0.85};
     const Mean m = face_of(subsurface({0.15f, 0.5f, 0.85f}, 0.5), 40);
     for (int c = 0; c < 3; ++c) {
-        // Van de Hulst's approximation, solved by bisection.
+        // Van de Hulst's approximation is solved by bisection.
         double s = 0, above = 1;
         for (int i = 0; i < 60; ++i) {
             const double middle = (s + above) / 2;

@@ -9,7 +9,7 @@
 #include "fathom/image.h"
 #include "picture_helpers.h"
 
-// Image files are decoded in parallel without any effect on the result.
+// Tests that image files are decoded in parallel without any effect on the result.
 namespace fathom {
 namespace {
 
@@ -43,7 +43,7 @@ protected:
         return file;
     }
 
-    /// Unlit squares that show one texture each, under an image environment.
+    /// Unlit squares, each of which shows one texture, under an image environment.
     SceneDescription scene()
     {
         test::SceneBuilder b;
@@ -124,7 +124,7 @@ TEST_F(TextureDecoding, GivesEachTextureItsOwnPicture)
     }
     const Outcome outcome = compile_with(8, description);
     for (int i = 0; i < squares * squares; ++i) {
-        // The square's center; rows go down, squares go up.
+        // This is the square's center; rows of the image go down, squares go up.
         const int x = i % squares * pixels_per_square + 2, y = side - 1 - i / squares * pixels_per_square - 2;
         const float shown = outcome.pixels[std::size_t(3 * (y * side + x))];
         EXPECT_NEAR(shown, value(description.textures[std::size_t(i)].image), 1e-6f) << i;
@@ -134,7 +134,7 @@ TEST_F(TextureDecoding, GivesEachTextureItsOwnPicture)
 TEST_F(TextureDecoding, ObeysALimitOfMemory)
 {
     const std::filesystem::path file = picture(0);
-    // Three floats for each texel, converted to four bytes.
+    // The limit allows three floats for each texel, converted to four bytes.
     EXPECT_NO_THROW(read_image(file, 512 * 512 * 16));
     EXPECT_THROW(read_image(file, 512 * 512 * 16 - 1), Error);
 }

@@ -42,7 +42,7 @@ Image noise(bool alpha, float most)
     std::mt19937 random(7);
     std::uniform_real_distribution<float> uniform(0, 1);
     for (int i = 0; i < image_side * image_side; ++i) {
-        // Values are premultiplied and go down to the smallest halves.
+        // Values are premultiplied and range down to the smallest halves.
         const float a = alpha ? uniform(random) : 1;
         for (int c = 0; c < 3; ++c)
             image.layers[0].pixels.push_back(a * most * (i % 7 == 0 ? uniform(random) * 1e-7f : uniform(random)));
@@ -51,8 +51,8 @@ Image noise(bool alpha, float most)
     return image;
 }
 
-/// A square that shows the texture with one texel per pixel. It extends beyond the image because rays at its very edge
-/// may miss it.
+/// A square that shows the texture with one texel per pixel. It extends beyond the image because rays may miss the very
+/// edge of a square.
 SceneDescription square(const std::filesystem::path& file, ColorSpace space)
 {
     test::SceneBuilder b;

@@ -58,7 +58,7 @@ protected:
     }
     ~TextureForms() override { std::filesystem::remove(file_); }
 
-    /// Rows from the top; four channels, premultiplied as in files.
+    /// Adds an image given by rows from the top; four channels, premultiplied as in files.
     Texture picture(SceneDescription& scene, int width, int height,
                     const std::function<std::array<float, 4>(int, int)>& value)
     {
@@ -75,7 +75,7 @@ protected:
         t.nearest = true;
         return t;
     }
-    /// Colors that encode the position: red increases with x, green with y.
+    /// Colors of the texture encode the position: red increases with x, green with y.
     Texture places(SceneDescription& scene, int n = 4)
     {
         return picture(scene, n, n, [](int x, int y) { return std::array{float(x), float(y), 0.5f, 1.f}; });
@@ -115,7 +115,7 @@ TEST_F(TextureForms, HangUpright)
                         s = std::atan2(-z, x) / (2 * std::numbers::pi), s += s < 0 ? 1 : 0;
                         t = std::acos(y / 2) / std::numbers::pi;
                     }
-                    // Skip pixels (1/8 wide) that cover texels of two kinds.
+                    // Pixels (1/8 wide) that cover texels of two kinds are skipped.
                     const double margin = kind == 4 ? 0.12 : 0.26;
                     const double fs = s * 4 - std::floor(s * 4), ft = t * 4 - std::floor(t * 4);
                     if (std::min({fs, 1 - fs, ft, 1 - ft}) < margin) continue;
@@ -149,7 +149,7 @@ TEST_F(TextureForms, OffsetRotationScaleAndSet)
             int checked = 0;
             for (int row = 0; row < 64; ++row)
                 for (int column = 0; column < 64; ++column) {
-                    // Pixels that lie entirely in one texel.
+                    // Only pixels that lie entirely in one texel are compared.
                     Color expected;
                     bool one = true;
                     for (int corner = 0; corner < 4; ++corner) {
@@ -190,7 +190,7 @@ TEST_F(TextureForms, ChannelsOfRoughnessMetallicAndAlpha)
                 const float factor = 0.875f;
                 input = {factor * (textured ? 1 : value[std::size_t(channel)]), textured ? t : -1, channel};
                 if (what == 2) m.opacity.mode = AlphaMode::blend;
-                // One of each, so that both scenes have textures.
+                // A square with each of them makes sure that both scenes have textures.
                 v.add(Rectangle{{-1, -1, 0}, {2, 0, 0}, {0, 2, 0.5}}, v.material(m));
                 v.add(Rectangle{{5, -1, 0}, {1, 0, 0}, {0, 1, 0}}, v.unlit(t));
                 v.scene.environment.kind = EnvironmentKind::gradient;
@@ -205,7 +205,7 @@ TEST_F(TextureForms, ChannelsOfRoughnessMetallicAndAlpha)
         }
 }
 
-/// Texture color times factor, for reflection and emission.
+/// A texture's color is multiplied by the factor, for reflection and emission.
 TEST_F(TextureForms, ColorsMultiply)
 {
     for (const bool emits : {false, true}) {
@@ -242,7 +242,7 @@ TEST(VertexForms, ColorsAreInterpolated)
         for (const auto& [x, y] : {std::pair{-0.9, -0.9}, {0.6, -0.9}, {-0.9, 0.6}, {-0.4, -0.3}}) {
             const int column = int((x + 1) * 8), row = int((1 - y) * 8);
             const float* p = &pixels[std::size_t(3 * (row * 16 + column))];
-            // At the pixel's center, up to the jitter of samples.
+            // The position is the pixel's center, up to the jitter of samples.
             const double mx = (column + 0.5) / 8 - 1, my = 1 - (row + 0.5) / 8;
             const double green = (mx + 1) / 2, blue = (my + 1) / 2;
             EXPECT_NEAR(p[0], 1 - green - blue, 0.01) << x << " " << y;
@@ -289,7 +289,7 @@ TEST_F(TextureForms, NormalMaps)
                 m.normal_map.texture = v.texture(t);
                 m.normal_map.scale = scale;
                 const int material = v.material(m);
-                // Tangent and bitangent of the shape.
+                // The vectors are the tangent and the bitangent of the shape.
                 Vec3d right{1, 0, 0}, up{0, 1, 0};
                 if (kind == 0) v.add(Rectangle{{-1, -1, 0}, {2, 0, 0}, {0, 2, 0}}, material);
                 if (kind == 1) {
@@ -301,11 +301,12 @@ TEST_F(TextureForms, NormalMaps)
                     mesh.positions = {{-1, -1, 0}, {1, -1, 0}, {1, 1, 0}, {-1, 1, 0}};
                     mesh.indices = {0, 1, 2, 0, 2, 3};
                     mesh.uvs[0] = {{0, 1}, {1, 1}, {1, 0}, {0, 0}};
-                    if (kind == 3) {  // the image is mirrored: u increases to the left
+                    if (kind == 3) {  // the image is mirrored, so u increases to the left
                         mesh.uvs[0] = {{1, 1}, {0, 1}, {0, 0}, {1, 0}};
                         right = {-1, 0, 0};
                     }
-                    if (kind == 4) {  // explicit tangents differ: up, with the bitangent to its right
+                    if (kind ==
+                        4) {  // the explicit tangents differ from those of uv: up, with the bitangent to its right
                         mesh.normals.assign(4, {0, 0, 1});
                         mesh.tangents.assign(4, {0, 1, 0, -1});
                         right = {0, 1, 0}, up = {1, 0, 0};
@@ -325,7 +326,7 @@ TEST_F(TextureForms, NormalMaps)
             }
 }
 
-/// The visible square with skewed texture coordinates; the second set is the first after the texture's transform.
+/// The visible square with skewed texture coordinates. The second set is the first one after the texture's transform.
 Mesh skewed_square(const Texture& transform)
 {
     Mesh mesh;
@@ -351,8 +352,8 @@ std::vector<Texture> turning_transforms()
     return all;
 }
 
-/// Without mesh tangents, red of a normal map points along increasing u of the map's own coordinates, by the inverse of
-/// the affine map from positions to coordinates.
+/// If the mesh has no tangents, red of a normal map points along increasing u of the map's own coordinates, by the
+/// inverse of the affine map from positions to coordinates.
 TEST_F(TextureForms, NormalMapsFollowTheirOwnCoordinates)
 {
     for (const Texture& transform : turning_transforms())
@@ -372,7 +373,7 @@ TEST_F(TextureForms, NormalMapsFollowTheirOwnCoordinates)
                 Light sun;
                 sun.kind = LightKind::directional;
                 v.light(sun, Transform::rotate({0, 1, 0}, 0.9));
-                // Direction of increasing u' at constant v', perpendicular to the gradient of v'.
+                // This is the direction of increasing u' at constant v', perpendicular to the gradient of v'.
                 const std::vector<Vec2f>& uv = mesh.uvs[by_map ? 1 : 0];
                 const double v_by_x = (uv[1].y - uv[0].y) / 2, v_by_y = (uv[3].y - uv[0].y) / 2,
                              u_by_x = (uv[1].x - uv[0].x) / 2, u_by_y = (uv[3].x - uv[0].x) / 2;
@@ -387,8 +388,8 @@ TEST_F(TextureForms, NormalMapsFollowTheirOwnCoordinates)
             }
 }
 
-/// Coat normal maps and anisotropy directions: the transform may be the texture's or already in the mesh's coordinates,
-/// with equal images.
+/// Coat normal maps and anisotropy directions give equal images whether the transform is the texture's or already in
+/// the mesh's coordinates.
 TEST_F(TextureForms, CoatsAndAnisotropyFollowTheirMaps)
 {
     for (const Texture& transform : turning_transforms())
@@ -456,7 +457,7 @@ TEST(AlphaForms, ShadowsAndCutoff)
 /// rays.
 TEST_F(TextureForms, AlphaLiesWhereThePictureDoes)
 {
-    // Cells of a pattern without any rotation or mirror symmetry.
+    // The pattern has no rotation or mirror symmetry.
     const auto stands = [](int x, int y) { return ((x * 3 + y * y + (x == 0 ? y : 0)) % 4) < 2; };
     for (const bool tree : {false, true})
         for (const bool shadow : {false, true})

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Tubes, against the sum over their side.
+/// Tests of tubes against the sum over their side.
 #include "picture_helpers.h"
 
 namespace fathom {
@@ -27,7 +27,8 @@ double tube_irradiance(const Transform& place, double length_z, double radius)
     return sum;
 }
 
-/// Tubes of a radiance or a flux, near and far, turned and scaled, at rest and carried by a moving node.
+/// Tubes of given radiance or flux light a floor as calculated, near and far, rotated and scaled, at rest and in a
+/// moving node.
 TEST(Lights, Tubes)
 {
     for (const double scale : {1.0, 2.5})
@@ -58,7 +59,7 @@ TEST(Lights, Tubes)
                 }
 }
 
-/// The tree selects tubes among other lights with the correct probability, and what is between blocks their light.
+/// The tree selects tubes among other lights with the correct probability, and objects in between block their light.
 TEST(Lights, TubesBesideOthersAndShadowsOfTubes)
 {
     const Transform place = Transform::translate({0.5, 1, 0.2}) * Transform::rotate({0, 1, 0}, 1);

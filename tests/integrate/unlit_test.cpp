@@ -32,8 +32,8 @@ TEST(Unlit, IsVisibleButDoesNotIlluminate)
         EXPECT_NEAR(scene({0, 1, 1}, {0.5, 1, -1}), 0.75, 1e-5);
         EXPECT_EQ(scene({0, 1, 1}, {0, 0, -0.5}), 0);  // the floor is not illuminated
         if (quads) continue;
-        EXPECT_NEAR(scene({0.3, 1, 1}, {0, 1, 2}), 0.75, 1e-5);  // the panel seen in the mirror
-        EXPECT_NEAR(scene({0, 1, 1}, {0, 1, 0}), 0.75, 1e-5);    // the panel seen through the glass
+        EXPECT_NEAR(scene({0.3, 1, 1}, {0, 1, 2}), 0.75, 1e-5);  // the panel is visible in the mirror
+        EXPECT_NEAR(scene({0, 1, 1}, {0, 1, 0}), 0.75, 1e-5);    // the panel is visible through the glass
     }
 }
 

@@ -15,7 +15,7 @@ namespace {
 
 using test::first;
 
-/// At (1, 2, 3), looking along -x with z up: right is +y by cross(forward, up).
+/// A camera at (1, 2, 3) that looks along -x with z up: right is +y by cross(forward, up).
 CameraRecord camera()
 {
     CameraRecord c;
@@ -47,7 +47,7 @@ void expect_near(Vec3d a, Vec3d b, double tolerance = 1e-6)
     EXPECT_NEAR(a.z, b.z, tolerance);
 }
 
-/// A shifted camera is a crop of a larger image, with the lens: points map to the same rays, also in focus.
+/// A shifted camera is a crop of a larger image with the same lens: points map to the same rays, also in focus.
 TEST(CameraRay, Shift)
 {
     const Sample2 lens{Float(0.3f), Float(0.8f)};
@@ -58,7 +58,7 @@ TEST(CameraRay, Shift)
             whole.lens_radius = part.lens_radius = radius;
             whole.focus_distance = part.focus_distance = 3;
             part.half_width = whole.half_width / 4, part.half_height = whole.half_height / 2;
-            // The last quarter of the width, the lower half.
+            // The part is the last quarter of the width and the lower half of the height.
             part.shift_right = 0.75f * whole.half_width, part.shift_up = -0.5f * whole.half_height;
             for (const auto& [x, y] : {std::pair{0.5, 0.5}, {0.0, 0.25}, {1.0, 1.0}}) {
                 const PlainRay a = ray_of(part, x, y, lens), b = ray_of(whole, 0.75 + x / 4, 0.5 + y / 2, lens);
@@ -102,7 +102,7 @@ TEST(CameraRay, LensAndFocus)
         ASSERT_LE(r2, 1 + 1e-5);
         ++observed[std::size_t(std::min(7, int(r2 * 8)) * 8 +
                                std::min(7, int((std::atan2(z, y) / (2 * std::numbers::pi) + 0.5) * 8)))];
-        // 4 along the axis: 0.64 * 4 to the right, 0.3 * 4 up.
+        // A depth of 4 along the axis moves the point 0.64 * 4 to the right and 0.3 * 4 up.
         const double t = -4 / ray.d.x;
         expect_near(ray.o + ray.d * t, {1 - 4, 2 + 0.64 * 4, 3 + 0.3 * 4}, 2e-5);
     }
@@ -144,7 +144,7 @@ TEST(RandomNumbers, OfADecisionAreItsOwn)
         for (std::size_t b = 0; b < a; ++b) {
             double sum = 0;
             for (std::uint32_t i = 0; i < n; ++i) sum += numbers[a][i] * numbers[b][i];
-            // Five standard errors of the correlation of independent numbers.
+            // The limit is five standard errors of the correlation of independent numbers.
             EXPECT_LT(std::abs(12 * sum / n), 5 / std::sqrt(double(n))) << a << " " << b;
         }
 }

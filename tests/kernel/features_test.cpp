@@ -139,7 +139,7 @@ TEST(Features, OfMedia)
     expect(two, false, {Feature::media_stacks});
 }
 
-/// Flat scenes, whose edits may add such surfaces, trace them like others.
+/// Flat scenes treat such surfaces like ordinary ones, since edits may add them later.
 TEST(Features, OfSurfacesThatShadowRaysPass)
 {
     const SceneTables fog = solid([](MediumRecord& m) { m.is_index_matched = 1; });
@@ -166,7 +166,7 @@ TEST(Features, OfLights)
     expect(sky, true, {Feature::environment, quads, plain_quads});
 }
 
-/// Each column of the pool is carried along for its own reason.
+/// Each optional column of the pool is needed for a reason of its own.
 TEST(Features, DecideTheColumnsOfPaths)
 {
     const auto columns = [](std::initializer_list<Feature> features, float clamp, bool records) {

@@ -7,7 +7,7 @@
 #include "closure_checks.h"
 #include "materials/closures/closures.h"
 
-// BSDFs against the formulas of their papers, reimplemented in double precision.
+// Tests of BSDFs against the formulas of their papers, reimplemented in double precision.
 namespace fathom {
 namespace {
 
@@ -33,7 +33,7 @@ Direction half_way(Direction a, Direction b)
     return {h.x / l, h.y / l, h.z / l};
 }
 
-/// GGX distribution, Walter et al. 2007, equation 33, by the tangent.
+/// GGX distribution in terms of the tangent: Walter et al. 2007, equation 33.
 double ggx_d(Direction h, double alpha)
 {
     const double c2 = h.z * h.z, t2 = (1 - c2) / c2;
@@ -78,7 +78,7 @@ TEST(Ggx, DistributionAndMasking)
     }
 }
 
-/// Tables of the single-scattering albedo, against integration.
+/// The tables of the single-scattering albedo agree with numerical integration.
 TEST(Ggx, AlbedoTables)
 {
     for (double roughness : {0.5, 0.7, 1.0})
@@ -123,8 +123,8 @@ TEST(Metal, IsTheFormula)
             }
 }
 
-/// glTF 2.0, appendix B: a mixture of a metal and a dielectric whose base gets the light that the specular layer
-/// leaves.
+/// The closure is the formula of glTF 2.0, appendix B: a mixture of a metal and of a dielectric whose base gets the
+/// light that the specular layer leaves.
 TEST(Principled, IsTheFormula)
 {
     const double color = 0.6, roughness = 0.5;
@@ -149,7 +149,8 @@ TEST(Principled, IsTheFormula)
                 }
 }
 
-/// Portsmouth, Kutz, Hill 2024, "EON: A practical energy-preserving rough diffuse BRDF", with its fitted albedo.
+/// The closure is that of Portsmouth, Kutz, Hill 2024, "EON: A practical energy-preserving rough diffuse BRDF", with
+/// its fitted albedo.
 TEST(Diffuse, IsTheFormula)
 {
     const double pi_d = std::numbers::pi;
@@ -175,7 +176,8 @@ TEST(Diffuse, IsTheFormula)
             }
 }
 
-/// Fresnel's equations in sines and tangents of the angles, and Snell's law for the direction.
+/// Reflectance follows from Fresnel's equations in sines and tangents of the angles, and the direction from Snell's
+/// law.
 TEST(Glass, FresnelAndSnellByAngles)
 {
     for (double eta : {1 / 2.4, 1 / 1.5, 1.1, 1.5, 2.4})
@@ -191,7 +193,7 @@ TEST(Glass, FresnelAndSnellByAngles)
             const double s = std::sin(i - t) / std::sin(i + t), p = std::tan(i - t) / std::tan(i + t);
             EXPECT_NEAR(r, (s * s + p * p) / 2, 2e-5) << eta << " " << degrees;
             EXPECT_NEAR(first(cos_t), std::cos(t), 2e-5);
-            // In the plane of incidence, on the other side of the normal.
+            // The direction lies in the plane of incidence, on the other side of the normal.
             const Vec3 wi = refract(outgoing(degrees), lane_direction({0, 0, 1}), Float(float(std::cos(i))), cos_t,
                                     Float(float(eta)));
             EXPECT_NEAR(first(wi.x), -std::sin(t), 2e-5);
@@ -200,8 +202,8 @@ TEST(Glass, FresnelAndSnellByAngles)
         }
 }
 
-/// Smooth glass: specular reflection with Fresnel's probability, else refraction with radiance scaled by the squared
-/// ratio of indices.
+/// Smooth glass reflects with Fresnel's probability; otherwise it refracts, with radiance scaled by the squared ratio
+/// of indices.
 TEST(Glass, SmoothSplitsByFresnel)
 {
     for (const bool entering : {true, false})
@@ -227,7 +229,7 @@ TEST(Glass, SmoothSplitsByFresnel)
         }
 }
 
-/// Reciprocity up to the squared ratio of indices (Veach 1997, 5.2).
+/// The closure is reciprocal up to the squared ratio of indices (Veach 1997, 5.2).
 TEST(Glass, IsReciprocal)
 {
     for (float roughness : {0.4f, 0.8f})
@@ -296,7 +298,7 @@ TEST(Glass, CompensatedIsWhite)
                 }
 }
 
-/// Albedo without energy compensation, against integration over visible normals in double precision.
+/// The albedo without energy compensation agrees with integration over visible normals in double precision.
 TEST(Glass, LossOfASingleScatteringEvent)
 {
     const struct {

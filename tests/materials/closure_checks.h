@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-/// Checks for all closures: sampling against pdf, and energy.
+/// Checks that tests of all closures use: sampling against pdf, and energy.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -87,7 +87,7 @@ double pdf_at(const Bsdf& bsdf, Vec3 wo, Direction d)
     return first(bsdf.eval(wo, lane_direction(d)).pdf);
 }
 
-/// Samples follow the pdf, and sample, eval and pdf agree.
+/// Checks that samples follow the pdf, and that sample, eval and pdf agree.
 template <class Bsdf>
 void check_sampling(const Bsdf& bsdf, double degrees, const char* what)
 {

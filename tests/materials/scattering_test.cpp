@@ -9,7 +9,7 @@
 #include "support/chi_square.h"
 #include "support/lane_helpers.h"
 
-// Distance and direction sampling in participating media.
+// Tests of distance and direction sampling in participating media.
 namespace fathom {
 namespace {
 
@@ -41,7 +41,7 @@ TEST(Phase, SamplesHenyeyAndGreenstein)
     }
 }
 
-/// Whichever channel is sampled, each channel gets its Beer-Lambert transmittance and its scattered remainder.
+/// Each channel gets its Beer-Lambert transmittance and its scattered remainder, whichever channel is sampled.
 TEST(DistanceSample, EveryChannelFollowsItsOwnLaw)
 {
     const float sigma_t[] = {0.02f, 1, 40}, sigma_s[] = {0.01f, 0.9f, 39};

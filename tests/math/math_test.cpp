@@ -105,7 +105,7 @@ TEST(Lanes, CompressGatherAndReverse)
         for (std::uint32_t i = 0; i < std::uint32_t(n); ++i) EXPECT_EQ(first(lookup(table, n, UInt(i))), table[i]);
 }
 
-/// Each lane gathers its own rows, up to the last one, which ends with its table.
+/// Expects that each lane gathers its own rows, up to the last one, which ends with its table.
 template <int n>
 void expect_rows()
 {

@@ -18,7 +18,8 @@ import time
 
 from planted import PLACE, ROOT, Workshop, copy_tree
 
-# By path prefix, first match: targets to build, and the gtest programs or command line tests that should detect a change.
+# Modules by path prefix, of which the first match counts: targets to build, and the gtest programs or command line
+# tests that should detect a change.
 PARTS = [
     ("src/base/", ["base_tests", "formats_tests"]),
     ("src/scene/", ["scene_tests", "formats_tests"]),
@@ -73,7 +74,7 @@ class Mutant:
 
 
 def changed_lines(base, paths):
-    """(path, number, text) of each line that differs from a commit."""
+    """Returns (path, number, text) of each line that differs from a commit."""
     diff = subprocess.run(["git", "-C", str(ROOT), "diff", "--unified=0", "--no-color", base, "--", *(paths or ["src", "apps"])],
                           capture_output=True, text=True, check=True).stdout
     path, number = None, 0
@@ -93,7 +94,7 @@ def is_mutated(path):
 
 
 def code_of(text):
-    """The line up to its comment, with strings replaced by blanks of equal length to keep columns."""
+    """Returns the line up to its comment, with strings replaced by blanks of equal length to keep columns."""
     text = re.sub(r'"(?:\\.|[^"\\])*"', lambda m: '"' + " " * (len(m[0]) - 2) + '"', text)
     return re.split(r"//", text)[0]
 
@@ -145,7 +146,7 @@ class Tests:
             yield target, [str(build / target), "--gtest_brief=1", "--gtest_fail_fast"]
 
     def failing(self, targets):
-        """Name of a failing test program, or None."""
+        """Returns the name of a failing test program, or None."""
         for target in targets:
             for name, command in self.programs(target):
                 if self.fails(command):

@@ -31,7 +31,8 @@ import time
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 BUILD_ROOT = ROOT / "build" / "planted"
-# Limits of a test: CPU time of each process, independent of load; patience and wall clock time for one that hangs.
+# Limits of a test in seconds: CPU time of each process, which load does not change; patience and wall clock time of a test
+# that hangs.
 PROCESSOR_S, PATIENCE_S, LONGEST_S = 1800, 300, 7200
 REQUIRED = {"id", "bug", "files", "find", "replace", "targets"}
 OPTIONAL = {"count": 1, "tests": "", "gtest": "", "isa": "base"}
@@ -60,7 +61,7 @@ def pattern_of(rule):
 
 
 def plant(rule, root):
-    """Modified files by path. Raises RuleError unless the code occurs exactly as often as the rule says."""
+    """Returns the modified files by path. Raises RuleError unless the code occurs exactly as often as the rule says."""
     planted, found = {}, 0
     pattern = pattern_of(rule)
     for path in sorted(root.glob("src/" + rule["files"])):
@@ -78,7 +79,7 @@ def plant(rule, root):
 
 
 def check(rules):
-    """Exit status 0 if every rule matches the sources; builds nothing."""
+    """Returns exit status 0 if every rule matches the sources; builds nothing."""
     errors = 0
     for rule in rules:
         try:
@@ -91,7 +92,7 @@ def check(rules):
 
 
 def write_if_changed(path, data):
-    """Keeps the modification time of unchanged files, so that they are not built again."""
+    """Writes a file only if it changes. Unchanged files keep their modification time and are not built again."""
     if path.is_file() and path.read_bytes() == data:
         return
     path.parent.mkdir(parents=True, exist_ok=True)
@@ -99,7 +100,7 @@ def write_if_changed(path, data):
 
 
 def parts_of_the_project():
-    """Files and folders of the root that tests may read: all except builds and hidden ones."""
+    """Returns the files and folders of the root that tests may read: all except builds and hidden ones."""
     return sorted(path.name for path in ROOT.iterdir() if path.name != "build" and not path.name.startswith("."))
 
 
@@ -119,7 +120,7 @@ def copy_tree(to):
 
 
 def failed_tests(text):
-    """Names of failed tests from ctest's final list."""
+    """Returns the names of failed tests from ctest's final list."""
     return re.findall(r"^\s+\d+ - (\S+) \((?!Skipped)", text, re.M)
 
 
@@ -138,7 +139,7 @@ class BuildCopy:
                   f"-DFATHOM_SHARED_SCENES={ROOT.parent / 'shared' / 'scenes'}"], "configure.log", must=True)
 
     def run(self, command, log, must=False, limit=None, **more):
-        # A process group of its own, so that ending this also ends the compilers that it started.
+        # The process has a group of its own, so that ending the group also ends the compilers that it started.
         with open(BUILD_ROOT / f"{self.build.name}.{log}", "w") as out, \
                 subprocess.Popen(command, stdout=out, stderr=subprocess.STDOUT, env={**self.environment, **more},
                                  start_new_session=True, preexec_fn=limit) as process:
@@ -156,7 +157,8 @@ class BuildCopy:
         return code == 0, log
 
     def ctest(self, arguments, log, gtest=""):
-        """Output of ctest. CPU time is limited instead of ctest's wall clock time, which depends on other programs."""
+        """Returns the output of ctest. CPU time is limited instead of ctest's wall clock time, which depends on other
+        programs."""
         more = {"FATHOM_TEST_PATIENCE": str(PATIENCE_S), **({"GTEST_FILTER": gtest} if gtest else {})}
         _, log = self.run(["ctest", "--test-dir", str(self.build), *arguments, f"-j{self.jobs}", "--timeout", str(LONGEST_S)], log,
                           limit=lambda: resource.setrlimit(resource.RLIMIT_CPU, (PROCESSOR_S, PROCESSOR_S + 10)), **more)
@@ -168,12 +170,12 @@ class BuildCopy:
         return names + ["-E", "^(planted_rules|format)$"]
 
     def tests_of(self, rule):
-        """Numbers of the tests of a rule."""
+        """Returns the numbers of the tests of a rule."""
         text, _ = self.ctest(["-N", *self.chosen(rule)], "list.log")
         return {int(number): name for number, name in re.findall(r"^\s*Test\s+#(\d+): (\S+)", text, re.M)}
 
     def test(self, rule):
-        """Names of the failed tests. Raises RuleError if none ran."""
+        """Returns the names of the failed tests. Raises RuleError if none ran."""
         text, log = self.ctest(self.chosen(rule), "test.log", rule["gtest"])
         count = re.search(r"tests failed out of (\d+)|tests passed.*out of (\d+)", text)
         if not count or "No tests were found" in text:
@@ -183,7 +185,7 @@ class BuildCopy:
         return failed_tests(text)
 
     def test_numbers(self, numbers, gtest):
-        """Names of the tests, given by number, that failed or were not built."""
+        """Returns the names of the tests, given by number, that failed or were not built."""
         place = BUILD_ROOT / f"{self.build.name}.numbers"
         place.write_text("0,0,0," + ",".join(map(str, sorted(numbers))) + "\n")  # ctest drops the last character of the file
         text, log = self.ctest(["-I", str(place)], "clean.log", gtest)
@@ -193,7 +195,7 @@ class BuildCopy:
 
 
 def try_rule(rule, workshop):
-    """(caught, SURVIVED or error, explanation)."""
+    """Returns (caught, SURVIVED or error, explanation)."""
     try:
         planted = plant(rule, workshop.tree)
     except RuleError as error:
@@ -216,7 +218,7 @@ def try_rule(rule, workshop):
 
 
 def failing_without_bug(rules, workshop):
-    """Ids of rules whose tests fail without a planted bug, so their failure proves nothing."""
+    """Returns ids of rules whose tests fail without a planted bug, so that their failure proves nothing."""
     built, log = workshop.compile(sorted({target for rule in rules for target in rule["targets"]}))
     if not built:
         sys.exit(f"the sources do not build without a bug; see {log}")
@@ -234,7 +236,8 @@ def failing_without_bug(rules, workshop):
 
 
 def clean_runs(rules, tests):
-    """Numbers of the tests of all rules by GTEST_FILTER. Each test runs once, with the union of its rules' filters."""
+    """Returns the numbers of the tests of all rules by GTEST_FILTER. Each test runs once, with the union of its rules'
+    filters."""
     filters = {}
     for rule in rules:
         for number in tests[rule["id"]]:
@@ -246,7 +249,7 @@ def clean_runs(rules, tests):
 
 
 def seed_of_commit():
-    """Seed derived from the commit, so that everyone draws equal rules."""
+    """Returns a seed derived from the commit, so that everyone draws equal rules."""
     head = subprocess.run(["git", "-C", str(ROOT), "rev-parse", "HEAD"], capture_output=True, text=True).stdout.strip()
     return int(hashlib.sha256(head.encode()).hexdigest(), 16)
 

@@ -55,8 +55,8 @@ TEST_F(CompleteScene, FramesFromEveryDirection)
         }
 }
 
-/// The silhouette touches the margin on two opposite sides: no camera in that direction is closer. Also for shapes that
-/// do not fill their bounding box, and under motion and rotation.
+/// The silhouette touches the margin on two opposite sides, so no camera in that direction is closer. This holds for
+/// shapes that do not fill their bounding box, and under motion and rotation.
 TEST_F(CompleteScene, TheSilhouetteFillsThePicture)
 {
     int at_tip = 0;
@@ -251,7 +251,7 @@ TEST_F(CompleteScene, RefusesScenesThatCantBe)
     bad.curves[0].motion[1].points = {{0, 0, 0}};
     EXPECT_EQ(check_error(bad), "s: curves[0].motion[1]: has 1 points, but the curves have 2");
 
-    // 2^40 spheres in 41 nodes, and as many nodes without shapes.
+    // The scene has 2^40 spheres in 41 nodes, and as many nodes without shapes.
     bad = scene;
     bad.nodes.resize(42);
     for (int i = 2; i < 42; ++i) bad.nodes[i].children = {i - 1, i - 1};

@@ -7,7 +7,7 @@
 #include "fathom/lighting.h"
 #include "seen_from.h"
 
-// The ground below models looks like the backdrop where it is unobstructed, and shows shadows elsewhere.
+// Tests of the ground below models: it looks like the backdrop where it is unoccluded, and shows shadows elsewhere.
 namespace fathom {
 namespace {
 
@@ -87,7 +87,7 @@ double beside(const Vec3d& p)
     return std::max(std::abs(p.x), std::abs(p.z));
 }
 
-/// A flat model casts no shadow: the whole ground matches the backdrop, also where it fades out, and beyond it the bits
+/// A flat model casts no shadow, so the whole ground matches the backdrop, also where it fades out; beyond it the bits
 /// are unchanged. The brightest backdrops exceed what a floor can reflect.
 TEST_F(GroundTest, MatchesTheBackdropWhereUnoccluded)
 {
@@ -159,7 +159,7 @@ TEST_F(GroundTest, IsOnlyAddedWhereItFits)
     EXPECT_NE(added.added[1].find("--ground none"), std::string::npos);
     EXPECT_TRUE(lit(Ground(), LightingMode::studio).ground);
     EXPECT_FALSE(lit(Ground(), LightingMode::file).ground);
-    // A camera inside a room, and one below the ground.
+    // The ground is not added for a camera inside a room or below the ground.
     d.cameras[0].position = {0, 1, 0.5};
     EXPECT_FALSE(lit(Ground()).ground);
     d.cameras[0].position = {0, -1, 9};

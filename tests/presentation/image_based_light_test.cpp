@@ -9,18 +9,18 @@
 #include "fathom/scene_file.h"
 #include "formats/import_test_helpers.h"
 
-// EXT_lights_image_based of glTF: the environment as the camera sees it.
+// Tests of EXT_lights_image_based of glTF: the environment as the camera sees it.
 namespace fathom::test {
 namespace {
 
-/// Linear colors of the faces +x, -x, +y, -y, +z, -z, each at an end of the sRGB range, so that files keep them
-/// exactly.
+/// Linear colors of the faces +x, -x, +y, -y, +z, -z. Each channel is at an end of the sRGB range, so that files keep
+/// it exactly.
 constexpr Color colors[] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {1, 1, 0}, {0, 1, 1}, {1, 0, 1}};
 constexpr Vec3d axes[] = {{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}};
 
 class ImageBasedLight : public ImportTest {
 protected:
-    /// A file with that light; `members` are its JSON members besides the faces.
+    /// A file with an image-based light; `members` are the light's JSON members besides the faces.
     std::filesystem::path file_with(const std::string& members)
     {
         std::string images;
@@ -42,7 +42,7 @@ protected:
             "nodes": [{{"camera": 0}}], "cameras": [{{"type": "perspective", "perspective": {{"yfov": 0.1, "znear": 1}}}}]}})",
                                  images, members));
     }
-    /// Color seen by a narrow camera in a direction.
+    /// Color that a narrow camera sees in a direction.
     Color seen(const SceneDescription& scene, Vec3d direction)
     {
         SceneDescription posed = scene;
@@ -73,7 +73,7 @@ TEST_F(ImageBasedLight, EachAxisShowsItsFace)
     EXPECT_TRUE(warnings_.empty());
 }
 
-/// Rotation by 90 degrees about y, which maps z to x.
+/// The rotation is by 90 degrees about y, which maps z to x.
 TEST_F(ImageBasedLight, IsTurnedByItsRotation)
 {
     const std::string rotation = R"(, "rotation": [0, 0.7071067811865476, 0, 0.7071067811865476])";

@@ -9,7 +9,7 @@
 #include "seen_from.h"
 #include "support/placed_light.h"
 
-// Automatic light and exposure for scenes with known illumination.
+// Tests of automatic light and exposure for scenes with known illumination.
 namespace fathom {
 namespace {
 
@@ -55,8 +55,8 @@ TEST_F(LightingProbeTest, ExposesForAnEveningSky)
     EXPECT_LT(lit(LightingMode::file).exposure_ev.value_or(0), 1);
 }
 
-/// A sphere lit from the camera has radiance albedo / pi * cosine * illuminance; half of its disk has a cosine above
-/// sqrt(0.5), 5 % above sqrt(0.95).
+/// A sphere that is lit from the camera has radiance albedo / pi * cosine * illuminance; half of its disk has a cosine
+/// above sqrt(0.5), 5 % above sqrt(0.95).
 TEST_F(LightingProbeTest, MeasuresASphereInTheSun)
 {
     add_sun(10);
@@ -148,7 +148,7 @@ TEST_F(LightingProbeTest, AddsAStudioWhereLightReachesLittle)
     LitScene scene = lit();
     EXPECT_TRUE(scene.studio);
     EXPECT_FALSE(scene.exposure_ev.has_value());
-    EXPECT_GT(scene.scene.statistics().lights, 1u);  // the sky and the small emissive surface
+    EXPECT_GT(scene.scene.statistics().lights, 1u);  // the lights are the sky and the small emissive surface
 
     d = dark;
     add_sun(5, Transform::rotate({0, 1, 0}, std::acos(-1.0)));
@@ -158,7 +158,7 @@ TEST_F(LightingProbeTest, AddsAStudioWhereLightReachesLittle)
     EXPECT_FALSE(lit().studio);
 }
 
-/// A dim emissive wall reaches the whole model, but the exposure ignores it.
+/// A dim emissive wall lights the whole model, but the exposure ignores it.
 TEST_F(LightingProbeTest, DimSurfacesAreDecoration)
 {
     const int panel = add_lamp({0.05f, 0.05f, 0.05f});

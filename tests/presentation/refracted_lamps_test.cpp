@@ -7,7 +7,7 @@
 #include "seen_from.h"
 #include "support/placed_light.h"
 
-// Warning about light that NEE and BSDF sampling both miss: lights without size behind smooth glass.
+// Tests of the warning about light that NEE and BSDF sampling both miss: lights without size behind smooth glass.
 namespace fathom {
 namespace {
 
@@ -90,12 +90,12 @@ TEST_F(RefractedLampsTest, DirectionsSeeTheWholeScene)
     d.nodes[0].shapes.push_back({Rectangle{{-4, -4, -3}, {8, 0, 0}, {0, 8, 0}}, 0, ""});
     add_lamp(LightKind::directional);
     EXPECT_EQ(warning(), "");
-    // A disk of radius 1 in front of a square of side 8: pi / 64.
+    // A disk of radius 1 in front of a square of side 8 covers pi / 64.
     add_ball({0, 0, 0}, 1);
     EXPECT_NE(warning().find("5 % of the light"), std::string::npos) << warning();
 }
 
-/// Other ways of transmission, and lights with a size, lose nothing.
+/// Nothing is lost with other ways of transmission, or with lights that have a size.
 TEST_F(RefractedLampsTest, NoLightIsLost)
 {
     add_lamp(LightKind::point);

@@ -23,7 +23,7 @@ Sample2 sobol_point(std::uint32_t pixel, std::uint32_t index, std::uint32_t grou
 
 TEST(Sobol, EveryElementaryIntervalHoldsOnePoint)
 {
-    // A (0, 2)-sequence: each elementary interval of area 2^-m contains one of the first 2^m points, and one of each
+    // In a (0, 2)-sequence each elementary interval of area 2^-m contains one of the first 2^m points, and one of each
     // later block of 2^m.
     for (std::uint32_t pixel : {0u, 7u})
         for (std::uint32_t pair : {0u, 1u, 3u})
@@ -45,7 +45,7 @@ TEST(Sobol, EveryElementaryIntervalHoldsOnePoint)
 
 TEST(Sobol, PairsAndPixelsAreIndependent)
 {
-    // Correlation of different pairs, decisions and pixels at equal sample index.
+    // Different pairs, decisions and pixels are uncorrelated at equal sample index.
     constexpr int n = 1 << 14;
     const auto correlation = [&](auto a, auto b) {
         double sum = 0;
@@ -64,7 +64,7 @@ TEST(Sobol, PairsAndPixelsAreIndependent)
               limit);
 }
 
-/// Without scrambling: the van der Corput sequence, and the second dimension, whose generator matrix is Pascal's
+/// The unscrambled dimensions are the van der Corput sequence, and the dimension whose generator matrix is Pascal's
 /// triangle modulo 2.
 TEST(Sobol, DimensionsAreTheDirectionNumbers)
 {
@@ -80,7 +80,7 @@ TEST(Sobol, DimensionsAreTheDirectionNumbers)
 
 TEST(Sobol, IntegratesSmoothFunctionsMuchBetterThanChance)
 {
-    // Owen scrambling: the variance for smooth integrands decreases as n^-3, that of independent numbers as n^-1.
+    // With Owen scrambling the variance for smooth integrands decreases as n^-3, that of independent numbers as n^-1.
     const auto variance = [](std::uint32_t n) {
         double sum = 0;
         constexpr int runs = 256;
@@ -114,7 +114,8 @@ TEST(Warp, CosineHemisphere)
         "");
 }
 
-/// Histogram over cells of equal probability in cosine and azimuth; the cosine alone would not test sine and azimuth.
+/// The histogram has cells of equal probability in cosine and azimuth; the cosine alone would not test sine and
+/// azimuth.
 TEST(Warp, ConeIsUniformInBothAngles)
 {
     for (double one_minus_cos : {1e-4, 0.3, 1.7, 2.0}) {
@@ -129,7 +130,7 @@ TEST(Warp, ConeIsUniformInBothAngles)
             for (int i = 0; i < lanes; ++i) {
                 const double sine2 = double(x[i]) * x[i] + double(y[i]) * y[i];
                 ASSERT_NEAR(sine2 + double(z[i]) * z[i], 1, 2e-6);
-                // 1 - cos computed from the sine, because floats lack digits when the cosine is near 1.
+                // 1 - cos is computed from the sine, because floats lack digits when the cosine is near 1.
                 const double lost = z[i] > 0 ? sine2 / (1 + double(z[i])) : 1 - double(z[i]);
                 ASSERT_LE(lost, one_minus_cos * (1 + 1e-5));
                 const double turn = std::atan2(y[i], x[i]) / (2 * std::numbers::pi) + 0.5;
@@ -155,7 +156,7 @@ TEST(Warp, PowerHeuristic)
 TEST(Warp, DiskIsUniform)
 {
     test::Random random;
-    // Sectors finer than the octants of the mapping, which might be uneven inside.
+    // The sectors are finer than the octants of the mapping, which might be uneven inside.
     constexpr int rings = 8, sectors = 40;
     std::vector<double> observed(rings * sectors), expected(rings * sectors);
     constexpr int n = 100000;
@@ -211,8 +212,8 @@ TEST(Filter, FollowsItsShape)
     });
 }
 
-/// Harris 1978, "On the Use of Windows for Harmonic Analysis", minimum 4-term window: the closed-form integral up to
-/// each sampled offset is the random number. An error of 0.001 in a coefficient is detected.
+/// The window is that of Harris 1978, "On the Use of Windows for Harmonic Analysis", minimum 4-term: its closed-form
+/// integral up to each sampled offset is the random number. An error of 0.001 in a coefficient is detected.
 TEST(Filter, BlackmanHarrisToTheLastCoefficient)
 {
     FilterTable table;
@@ -227,7 +228,8 @@ TEST(Filter, BlackmanHarrisToTheLastCoefficient)
         EXPECT_NEAR(share_below(double(first(table.sample(Float(float(u)))))), u, 2e-5) << u;
 }
 
-/// Up to the filter's ends, where few samples fall: the integral up to the sampled offset is the random number.
+/// The integral of a filter up to the sampled offset is the random number, also at the filter's ends, where few samples
+/// fall.
 TEST(Filter, IsTheInverseOfItsShares)
 {
     FilterTable gaussian, blackman_harris, tent;

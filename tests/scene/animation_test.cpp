@@ -62,7 +62,7 @@ TEST(AnimationValues, StepsLinesAndEnds)
               (std::vector<double>{0.5}));
 }
 
-/// Rotation by a fraction of the angle, always the short way, whatever sign a key's quaternion has.
+/// Rotations turn by a fraction of the angle, always the short way, whatever sign a key's quaternion has.
 TEST(AnimationValues, RotationsTurnSteadily)
 {
     const double angle = 2.5;
@@ -82,7 +82,7 @@ TEST(AnimationValues, RotationsTurnSteadily)
     // Splines of quaternions are normalized to rotations.
     AnimationChannel spline =
         channel(AnimatedProperty::rotation, Interpolation::cubic, {0, 1}, std::vector<float>(24, 0.0f));
-    spline.values[7] = 1, spline.values[17] = 1;  // from identity to half a turn about y
+    spline.values[7] = 1, spline.values[17] = 1;  // slopes of a rotation from identity to half a turn about y
     const std::vector<double> q = value_at(spline, 0.5);
     EXPECT_NEAR(q[1], std::sqrt(0.5), 1e-12);
     EXPECT_NEAR(q[3], std::sqrt(0.5), 1e-12);
@@ -109,7 +109,7 @@ TEST(AnimationValues, WhatIsWrongWithKeys)
               "3 numbers are not as many for each of 2 keys");
 }
 
-/// A strip of two triangles with two joints of a chain, and a morph target.
+/// A model of a strip of two triangles with two joints of a chain, and a morph target.
 class Player : public ::testing::Test {
 protected:
     SceneDescription scene;
@@ -163,7 +163,7 @@ protected:
     }
 };
 
-/// Against explicit sums of the joints' transforms of each point.
+/// Skinned points agree with explicit sums of their joints' transforms.
 TEST_F(Player, SkinsBendAndTargetsMorph)
 {
     EXPECT_EQ(rig.animations[0].duration(), 2);
@@ -213,7 +213,7 @@ TEST_F(Player, ShuttersSeeThePosesOfTheirTimes)
     ASSERT_GE(blurred.nodes[1].motion.size(), 2u);
     ASSERT_GE(blurred.meshes[0].motion.size(), 2u);
     EXPECT_EQ(blurred.meshes[0].motion.back().time, open);
-    // Radius 2 plus the morph target's offset, in four pieces of an eighth of 90 degrees.
+    // The vertex moves on a radius of 2 plus the morph target's offset, in four pieces of an eighth of 90 degrees.
     const double chord = 3 * (1 - std::cos(open * std::numbers::pi / 2 / 8)) + 1e-6;
     for (int step = 0; step <= 16; ++step) {
         const double after = open * step / 16;

@@ -6,7 +6,7 @@
 namespace fathom {
 namespace {
 
-/// One element of each kind, referring to each other by names.
+/// A scene with one element of each kind, which refer to each other.
 SceneDescription scene_of(const std::string& name)
 {
     SceneDescription s;

@@ -10,7 +10,7 @@
 namespace fathom {
 namespace {
 
-/// Fresnel's amplitudes in complex numbers.
+/// Reflectance by Fresnel's amplitudes in complex numbers.
 double exact(double cosine, double eta, double k)
 {
     const std::complex<double> m(eta, k), beyond = std::sqrt(m * m - (1 - cosine * cosine));

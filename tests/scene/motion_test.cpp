@@ -63,7 +63,7 @@ TEST(MeshMotion, VerticesGoStraightBetweenTheirKeys)
     EXPECT_FALSE(moves(mesh, 3, 4));
     EXPECT_FALSE(moves(mesh, -2, 0));
     mesh.motion[2].positions = mesh.motion[1].positions;
-    EXPECT_TRUE(moves(mesh, 2.1, 2.9));  // its normals change
+    EXPECT_TRUE(moves(mesh, 2.1, 2.9));  // the mesh's normals change
     mesh.motion[2].normals = mesh.motion[1].normals;
     EXPECT_FALSE(moves(mesh, 2.1, 2.9));
 }
@@ -91,7 +91,7 @@ TEST(CurvesMotion, PointsAndRadiiGoStraightBetweenTheirKeys)
         EXPECT_FLOAT_EQ(key.radii[0], c.radius) << c.time;
     }
     EXPECT_TRUE(moves(curves, 0.5, 0.6));
-    EXPECT_TRUE(moves(curves, 2.1, 2.9));  // its radius changes
+    EXPECT_TRUE(moves(curves, 2.1, 2.9));  // the curves' radii change
     EXPECT_FALSE(moves(curves, 3, 4));
     EXPECT_FALSE(moves(curves, 1, 1));
     curves.motion[2].radii = curves.motion[1].radii;

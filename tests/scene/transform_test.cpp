@@ -19,14 +19,15 @@ TEST(Transform, ByHand)
     expect_near(Transform::translate({1, 2, 3}).point({10, 20, 30}), {11, 22, 33});
     expect_near(Transform::translate({1, 2, 3}).vector({10, 20, 30}), {10, 20, 30});
     expect_near(Transform::scale({1, 2, 3}).point({10, 20, 30}), {10, 40, 90});
-    // Right-handed: x to y to z to x.
+    // Right-handed rotations take x to y to z to x.
     const double right = std::numbers::pi / 2;
     expect_near(Transform::rotate({0, 0, 5}, right).point({1, 0, 0}), {0, 1, 0});
     expect_near(Transform::rotate({5, 0, 0}, right).point({0, 1, 0}), {0, 0, 1});
     expect_near(Transform::rotate({0, 5, 0}, right).point({0, 0, 1}), {1, 0, 0});
     // A third of a turn about the diagonal permutes the axes.
     expect_near(Transform::rotate({1, 1, 1}, 2 * std::numbers::pi / 3).point({1, 2, 3}), {3, 1, 2});
-    // Half a turn about x, and a unit quaternion with four distinct components, by the sandwich product.
+    // The rotations are half a turn about x, and a unit quaternion with four distinct components, by the sandwich
+    // product.
     expect_near(Transform::rotate_quaternion(2, 0, 0, 0).point({1, 2, 3}), {1, -2, -3});
     const Vec3d u{0.1, 0.5, -0.7};
     const double w = 0.5, length2 = dot(u, u) + w * w;
@@ -82,7 +83,7 @@ TEST(WorldCamera, TakesPlaceAndScaleOfItsNode)
     EXPECT_EQ(world_camera(scene, "").name, "");
 }
 
-/// World bounds of each kind of shape.
+/// World bounds are those of each kind of shape.
 TEST(WorldBounds, OfEachShape)
 {
     struct Case {
@@ -105,7 +106,7 @@ TEST(WorldBounds, OfEachShape)
         scene.curves.emplace_back();
         scene.curves[0].points = {{0, 0, 0}, {1, 0, 0}};
         scene.curves[0].radii = {0.5f, 0.5f};
-        // Bounds of the moving points, not of their rest positions.
+        // Bounds are those of the moving points, not of their rest positions.
         scene.curves.push_back(scene.curves[0]);
         scene.curves[1].points = {{99, 0, 0}, {99, 0, 0}};
         scene.curves[1].motion = {{0, {{0, 0, 0}, {1, 0, 0}}, {0.5f, 0.5f}}, {1, {{0, 1, 0}, {4, 0, 0}}, {1, 1}}};

@@ -65,7 +65,7 @@ class Clone:
         return (self.build / "twice.o").read_bytes()
 
     def number(self):
-        """The number that the compiled source multiplies, from a program that prints the result."""
+        """Returns the factor that the source is compiled with, by running a program that prints the result."""
         (self.build / "main.cpp").write_text("int twice(); int main() { return twice(); }\n")
         subprocess.run([CLANG, "main.cpp", "twice.o", "-o", "main"], cwd=self.build, check=True)
         return subprocess.run([self.build / "main"]).returncode // 2

@@ -37,7 +37,7 @@ class Gallery(unittest.TestCase):
         (models / "wrong.gltf").write_text('{"asset": {"version": "2.0"}, "scenes": [')
         (models / "notes.txt").write_text("no model")
         result = self.run_gallery("my models", "-o", "page", "--spp", "2", "--size", "40x30")
-        self.assertEqual(result.returncode, 1, result.stderr)  # because of the broken model
+        self.assertEqual(result.returncode, 1, result.stderr)  # the broken model makes it fail
         page = (self.folder / "page/index.html").read_text()
         figures = re.findall(r"<figure>.*?</figure>", page, re.DOTALL)
         self.assertEqual([re.search(r"<b>(.*?)</b>", figure)[1] for figure in figures],

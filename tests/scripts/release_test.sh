@@ -13,7 +13,7 @@ place=$(mktemp -d)
 trap 'rm -rf "$place"' EXIT
 export GIT_CONFIG_GLOBAL=/dev/null GIT_CONFIG_NOSYSTEM=1
 export GIT_AUTHOR_NAME=tester GIT_AUTHOR_EMAIL=tester@example.com GIT_COMMITTER_NAME=tester GIT_COMMITTER_EMAIL=tester@example.com
-# Files need not be synced to disk.
+# Syncing files to disk is disabled for speed.
 export GIT_CONFIG_COUNT=1 GIT_CONFIG_KEY_0=core.fsync GIT_CONFIG_VALUE_0=none
 unset GIT_DIR GIT_WORK_TREE GIT_INDEX_FILE
 repository=$place/repository log=$place/log
@@ -45,7 +45,7 @@ case "$*" in
     "info --help") printf '  --json    as JSON\n' ;;
 esac
 PROGRAM
-    # Fake build and tests.
+    # The build and the tests are fakes.
     cat >scripts/setup.sh <<'SETUP'
 packages_to_build=(clang)
 install_missing() { :; }
@@ -152,7 +152,7 @@ git rm --quiet docs/cli.md
 commit
 refused "no docs/cli.md" "docs/cli.md exists"
 
-# Failures that appear only after the tests and the build.
+# These failures appear only after the tests and the build.
 make_repository
 echo '#!/bin/false' >test.sh
 commit

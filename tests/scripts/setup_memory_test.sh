@@ -9,7 +9,7 @@ root=$(mktemp -d)
 trap 'rm -r "$root"' EXIT
 failures=0
 
-# put FILE TEXT
+# put FILE TEXT: writes a file below the fake root.
 put() {
     mkdir -p "$(dirname "$root/$1")"
     printf '%b' "$2" >"$root/$1"

@@ -21,7 +21,7 @@ LINE = "SPDX-License-Identifier: Apache-2.0"
 
 
 def spdx(*arguments):
-    """(exit status, output) of scripts/spdx.py with these arguments."""
+    """Returns (exit status, output) of scripts/spdx.py with these arguments."""
     output = io.StringIO()
     with contextlib.redirect_stdout(output), contextlib.redirect_stderr(output):
         status = script.main([str(argument) for argument in arguments])

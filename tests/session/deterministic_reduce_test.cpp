@@ -8,7 +8,7 @@
 namespace fathom {
 namespace {
 
-/// Numbers in order of arrival.
+/// A sum that records numbers in order of arrival.
 struct List {
     std::vector<std::size_t> numbers;
 
@@ -35,7 +35,7 @@ TEST(DeterministicReduce, AddsGroupsEachForItself)
         float value = 0;
         void add(const Sum& o) { value += o.value; }
     };
-    // Groups of two: 2^24, which adding 1 does not change, followed by 2 repeatedly.
+    // The groups have two parts: 2^24, which adding 1 does not change, followed by 2 repeatedly.
     const Sum sum =
         deterministic_reduce(16, Sum{}, [](std::size_t part, Sum& s) { s.value += part == 0 ? 0x1p24f : 1.0f; });
     EXPECT_EQ(sum.value, 0x1p24f + 14);

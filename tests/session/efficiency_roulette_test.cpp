@@ -8,7 +8,7 @@
 namespace fathom {
 namespace {
 
-/// Guiding cells of edge 1 along x.
+/// Tables of guiding cells of edge 1 along x.
 GuidingTables row_of_cubes(std::uint32_t count)
 {
     GuidingTables t;
@@ -58,16 +58,16 @@ TEST(NeeFactors, CompareContributionsWithPixels)
     met.vertices = 3, met.variance = 2;
     GuidingTables t = row_of_cubes(3);
     set_nee_factors(met, t);
-    // Squared contribution over squared brightness: 4 / 4 + 16 / 4 = 5 in the first cell, 1 / 0.25 = 4 in the second,
-    // two samples each; the mean 9 / 4 has the weight of 32 samples. A light sample costs a quarter of a vertex: 3 / (2
-    // * 0.25) = 6.
+    // The ratio is squared contribution over squared brightness: 4 / 4 + 16 / 4 = 5 in the first cell, 1 / 0.25 = 4 in
+    // the second, with two samples each; the mean 9 / 4 has the weight of 32 samples. A light sample costs a quarter of
+    // a vertex: 3 / (2 * 0.25) = 6.
     ASSERT_EQ(t.nee_factors.size(), 3u);
     EXPECT_FLOAT_EQ(t.nee_factors[0], float(1.5 * std::sqrt((5 + 72) / 34.0 * 6)));
     EXPECT_FLOAT_EQ(t.nee_factors[1], float(1.5 * std::sqrt((4 + 72) / 34.0 * 6)));
     EXPECT_FLOAT_EQ(t.nee_factors[2], float(1.5 * std::sqrt(2.25 * 6)));
 }
 
-/// With many samples only the cell counts: the root of the squared contribution over the variance of paths.
+/// With many samples only the cell counts, by the root of the squared contribution over the variance of paths.
 TEST(NeeFactors, AreLookedUpByCube)
 {
     const std::size_t paths = 200'000;
@@ -120,28 +120,30 @@ TEST(NeeFactors, AreFinite)
     EXPECT_FLOAT_EQ(need(some, 1e-300, 1e-6), 1e30f);
 }
 
-/// Relative to a sample's contribution: depends on the brightness of the pixels that see the cell.
+/// Factors of shadow rays are relative to a sample's contribution, so they depend on the brightness of the pixels that
+/// see the cell.
 TEST(ShadowRayFactors, CompareShadowRaysWithPixels)
 {
     const GuidingRecords part = part_of({{surface(0.5f, 2), surface(1.5f, 0)}, {surface(0.2f, 4), surface(0.1f, 0)}});
     const double squares[] = {4, 0.25};
     GuidingTables t = row_of_cubes(3);
     set_shadow_ray_factors(path_statistics(part, squares, 1, 3, 2), t);
-    // 1 / 4 + 2 * 4 in the first cell, 1 / 4 in the second; the mean 8.5 / 4 has the weight of 32 samples. A shadow ray
-    // costs a fifth of a vertex, and a quarter are assumed unoccluded: 0.25 * 3 / (2 * 0.2) = 1.875.
+    // The sums are 1 / 4 + 2 * 4 in the first cell and 1 / 4 in the second; the mean 8.5 / 4 has the weight of 32
+    // samples. A shadow ray costs a fifth of a vertex, and a quarter are assumed unoccluded: 0.25 * 3 / (2 * 0.2) =
+    // 1.875.
     ASSERT_EQ(t.shadow_ray_factors.size(), 3u);
     EXPECT_FLOAT_EQ(t.shadow_ray_factors[0], float(std::sqrt((8.25 + 68) / 35.0 * 1.875)));
     EXPECT_FLOAT_EQ(t.shadow_ray_factors[1], float(std::sqrt((0.25 + 68) / 33.0 * 1.875)));
     EXPECT_FLOAT_EQ(t.shadow_ray_factors[2], float(std::sqrt(8.5 / 4 * 1.875)));
 }
 
-/// A surface at which the path continued.
+/// Record of a surface at which the path continued.
 GuidingRecord continued_surface(float x, std::uint16_t side, float value)
 {
     return {{x, 0.5f, 0.5f}, side, 0, value, 0};
 }
 
-/// The region of side 0 of each cell, if it has one.
+/// Tables with a region of side 0 in each cell.
 GuidingTables row_of_regions(std::uint32_t count)
 {
     GuidingTables t = row_of_cubes(count);
@@ -152,7 +154,7 @@ GuidingTables row_of_regions(std::uint32_t count)
     return t;
 }
 
-/// Values are radiance times pi; a path's contribution counts relative to its pixel and per later vertex.
+/// Values are radiance times pi. A path's contribution counts relative to its pixel, and per later vertex.
 TEST(SurvivalFactors, WeighContributionByCost)
 {
     constexpr float pi = 3.14159265f;
@@ -165,8 +167,8 @@ TEST(SurvivalFactors, WeighContributionByCost)
     GuidingTables t = row_of_regions(4);
     set_survival_factors(path_statistics(part, squares, 1, 3.5, 8), t);
     ASSERT_EQ(t.survival_factors.size(), 4u);
-    // Squared contribution over squared brightness: 4 / 4 + 36 / 9 = 5 for 2.5 + 0.5 vertices; a whole path costs 3.5 +
-    // 0.5.
+    // The ratio is squared contribution over squared brightness: 4 / 4 + 36 / 9 = 5 for 2.5 + 0.5 vertices; a whole
+    // path costs 3.5 + 0.5.
     EXPECT_FLOAT_EQ(t.survival_factors[0], float(0.7 * std::sqrt(5 / 3.0 * 4 / 8)));
     // The third path adds 1 / 0.25 for a cost of 1 + 0.5 vertices.
     EXPECT_FLOAT_EQ(t.survival_factors[2], float(0.7 * std::sqrt(4 / 1.5 * 4 / 8)));

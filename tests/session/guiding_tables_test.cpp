@@ -8,7 +8,7 @@ namespace {
 
 constexpr std::uint16_t usual_bin = 4 * guiding_sectors + 6, other_bin = 6 * guiding_sectors + 12;
 
-/// Surfaces along x, all of side 0, with incident light of equal radiance.
+/// Records of surfaces along x, all of side 0, with incident light of equal radiance.
 GuidingRecords row_of_surfaces(int count)
 {
     GuidingRecords part;
@@ -40,7 +40,7 @@ TEST(GuidingTables, RegionsShareWithTheirBlock)
         if (guiding_cube(*cubes, r.position) == 1) r.bin = other_bin;
     const std::shared_ptr<GuidingTables> t = make_guiding({&part});
     ASSERT_EQ(t->cells[0], cubes->cells[0]);
-    // A bin gives a tenth to each of its four neighbors; a twentieth of the whole is uniform.
+    // A bin gives a tenth of its value to each of its four neighbors; a twentieth of the whole is uniform.
     constexpr float kept = 0.95f / 1.4f, even = 0.05f / (guiding_bins / 2);
     EXPECT_NEAR(bin_probability(*t, 0, usual_bin), 0.75f * kept + even, 0.01f);
     EXPECT_NEAR(bin_probability(*t, 0, other_bin), 0.25f * kept + even, 0.01f);

@@ -136,7 +136,7 @@ TEST(RenderPass, CanBeCancelledAtAnyTime)
             render_pass(job, {0, before}, as_it_was, never);
         }
         for (const double processor_s : {0.002, 0.01, 0.04}) {
-            // More samples than any machine renders in that time.
+            // The pass has more samples than any machine renders in that time.
             const test::CancelledWork work = test::cancel_after(processor_s, [&](const std::atomic<bool>& cancel) {
                 return render_pass(job, {before, before + 1024}, film, cancel);
             });
@@ -227,7 +227,7 @@ TEST(RenderJob, OnlyFilmsOfItAreRendered)
     Film without_layers{RenderJob(scene, other)};
     EXPECT_THROW(render(job, {0, 1}, without_layers), Error);
     other = small();
-    other.threads = 1;  // has no effect on the bits
+    other.threads = 1;  // the number of threads has no effect on the bits
     Film same{RenderJob(scene, other)};
     EXPECT_TRUE(render(job, {0, 1}, same));
 }

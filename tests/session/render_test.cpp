@@ -10,7 +10,7 @@
 namespace fathom {
 namespace {
 
-/// Emissive surfaces in front of nothing or a sky: only quads, with spheres, or many.
+/// A scene of emissive surfaces in front of nothing or a sky. kind: only quads, with spheres, or with many surfaces.
 SceneDescription scene_of(int kind, float radiance)
 {
     SceneDescription d;
@@ -56,7 +56,7 @@ TEST(Render, EveryPixelGetsEverySampleOnce)
                     for (std::size_t i = 0; i < std::size_t(width * height); ++i) {
                         for (std::size_t c = 0; c < 3; ++c) {
                             ASSERT_EQ(image.layers[0].pixels[4 * i + c], radiance * float(c + 1)) << kind << " " << i;
-                            // Only rounding of a difference of doubles remains.
+                            // Only rounding of a difference of doubles remains in the variance.
                             ASSERT_LE(image.find("variance")->pixels[3 * i + c], 1e-14f * radiance * radiance * 9);
                         }
                         ASSERT_EQ(image.layers[0].pixels[4 * i + 3], 1);
@@ -122,7 +122,7 @@ TEST(Render, SamplesAndPixelsDiffer)
     }
 }
 
-/// Mean and variance against single samples rendered one at a time.
+/// Mean and variance agree with single samples rendered one at a time.
 TEST(Render, MeanAndVarianceOfItsSamples)
 {
     Warnings warnings;
@@ -142,7 +142,7 @@ TEST(Render, MeanAndVarianceOfItsSamples)
         const std::size_t i = std::size_t(3 * (y * 9 + x) + 1);
         const double mean = sum / 20;
         EXPECT_NEAR(image.layers[0].pixels[i], mean, 1e-6);
-        // Variance of the mean: that of the samples over n - 1.
+        // The variance of the mean is that of the samples over n - 1.
         EXPECT_NEAR(image.find("variance")->pixels[i] / ((squares / 20 - mean * mean) / 19), 1, 1e-4);
     }
 }

@@ -9,7 +9,7 @@ namespace {
 /// The variance of evenly spread groups is that of their means, not of the samples in them.
 TEST(VarianceEstimate, VariancesOfPixels)
 {
-    // Means of 2, 2, 3 and 5, 2, 1.
+    // The sets have means of 2, 2, 3 and 5, 2, 1.
     const std::vector<PixelVariance> pairs = pixel_variances({{1, 3, 2, 2, 0, 6}, {4, 6, 0, 4, 1, 1}}, 2);
     ASSERT_EQ(pairs.size(), 3u);
     const double means[] = {3.5, 2, 2}, variances[] = {9, 0, 4};

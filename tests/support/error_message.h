@@ -7,7 +7,7 @@
 
 namespace fathom::test {
 
-/// The error that an action throws; an empty one if it throws none.
+/// The error that an action throws; an error with empty texts if it throws none.
 inline Error error_of(const std::function<void()>& action)
 {
     try {
@@ -18,13 +18,13 @@ inline Error error_of(const std::function<void()>& action)
     return {"", "", ""};
 }
 
-/// Its message with file and place.
+/// Message of the error that an action throws, with file and place.
 inline std::string error_text(const std::function<void()>& action)
 {
     return error_of(action).what();
 }
 
-/// Its message alone.
+/// Message of the error that an action throws, without file and place.
 inline std::string error_message(const std::function<void()>& action)
 {
     return error_of(action).message();

@@ -18,8 +18,8 @@ bool runs_here(const char* isa)
     return !std::strcmp(isa, "base");
 }
 
-/// Runs before all other code, because even initializers are compiled for the instruction set. glibc passes the
-/// arguments to constructors.
+/// Skips the test on machines without the instruction set. It runs before all other code, because even initializers are
+/// compiled for the instruction set. glibc passes the arguments to constructors.
 [[gnu::constructor(101)]] void skip_where_it_cannot_run(int argc, char** argv)
 {
 #if defined(__x86_64__)

@@ -7,8 +7,8 @@
 
 namespace fathom::test {
 
-/// While it exists, the process may use only this much more address space. It is relative because a sanitizer's shadow
-/// memory alone exceeds any absolute limit.
+/// While this object exists, the process may use only this much more address space. The limit is relative because a
+/// sanitizer's shadow memory alone exceeds any absolute limit.
 class MemoryLimit {
 public:
     explicit MemoryLimit(rlim_t bytes)

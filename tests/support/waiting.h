@@ -27,7 +27,7 @@ bool wait_for(const Condition& condition)
 }
 
 struct CancelledWork {
-    bool is_done;           ///< result of the work
+    bool is_done;           ///< result of the work: whether it was completed
     double since_cancel_s;  ///< CPU time from the cancellation to the end of the work
 };
 

@@ -18,9 +18,10 @@ import signal
 import subprocess
 import time
 
-# The last resort. FATHOM_TEST_PATIENCE shortens it where hangs are expected, such as with planted bugs.
+# The time ends only tests that hang. FATHOM_TEST_PATIENCE shortens it where hangs are expected, such as with planted
+# bugs.
 PATIENCE_S = float(os.environ.get("FATHOM_TEST_PATIENCE", 1800))
-# Hundreds of times the need of a program under test, also with a sanitizer.
+# A limit of hundreds of times what a program under test needs, even with a sanitizer.
 PROCESSOR_S = 900
 PAUSE_S = 0.05
 
@@ -58,7 +59,7 @@ def wait_for(what, condition, seen=None, stop=None, pause_s=PAUSE_S):
 
 
 def ended(process, name="the program"):
-    """Argument `stop` of wait_for that reports the end of a Popen."""
+    """Returns an argument `stop` for wait_for() that reports the end of a Popen."""
     return lambda: process.poll() is not None and f"{name} has ended with {process.returncode}"
 
 
@@ -74,7 +75,7 @@ def limit_processor_time(process, seconds=PROCESSOR_S):
 
 
 def finish(process, words="the program"):
-    """(stdout, stderr) of a Popen once it has ended."""
+    """Returns (stdout, stderr) of a Popen once it has ended."""
     try:
         said = process.communicate(timeout=PATIENCE_S)
     except subprocess.TimeoutExpired:
@@ -128,7 +129,7 @@ def has_signal(pid, kind, number):
 
 
 def state_of(pid):
-    """State letter of /proc/PID/stat: R, S, T (stopped), Z (ended, not yet waited for); X if there is no such process."""
+    """State letter of /proc/PID/stat: R, S, T (stopped), Z (ended, but not waited for); X if there is no such process."""
     try:
         with open(f"/proc/{pid}/stat") as file:
             return file.read().rpartition(")")[2].split()[0]

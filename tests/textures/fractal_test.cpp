@@ -42,7 +42,7 @@ TEST(FractalTextures, AreThoseOfPbrt)
 TEST(FractalTextures, GoFromColourToColourAndStandInTheirSpace)
 {
     TextureFixture f;
-    // x = 2 z' + 1, y = -x', z = 0.5 y' - 3
+    // The space is x = 2 z' + 1, y = -x', z = 0.5 y' - 3.
     f.tables.texture_spaces = {{}, {{{{0, 0, 2, 1}, {-1, 0, 0, 0}, {0, 0.5f, 0, -3}}}}};
     TextureRecord t = TextureFixture::of(TextureKind::fbm);
     t.gain = 0.6f, t.octaves = 5, t.space = 1, t.scale = 0.5f;
@@ -54,7 +54,7 @@ TEST(FractalTextures, GoFromColourToColourAndStandInTheirSpace)
     EXPECT_NEAR(c[2], 3 - 2 * k.fbm, 2e-4);
 }
 
-/// Colors of pbrt's marble, by Bezier's formula from its nine control colors.
+/// Colors are those of pbrt's marble, by Bezier's formula from its nine control colors.
 TEST(FractalTextures, MarbleHasItsVeins)
 {
     const double colors[9][3] = {{.58, .58, .6}, {.58, .58, .6}, {.58, .58, .6}, {.5, .5, .5},  {.6, .59, .58},

@@ -5,7 +5,7 @@
 namespace fathom::test {
 namespace {
 
-/// 4 x 4 texels that encode their position: red the column, green the row.
+/// An image of 4 x 4 texels that encode their position: red the column, green the row.
 TextureRecord places(TextureFixture& f)
 {
     TextureRecord t = TextureFixture::of(TextureKind::image);

@@ -42,7 +42,7 @@ TEST(MixTexture, MixesTexturesByAChannelOfAThird)
     }
 }
 
-/// Luminance weights of Rec. 709, with uniform and varying operands.
+/// Luminance has the weights of Rec. 709, with uniform and varying operands.
 TEST(MixTexture, FactorsByLuminance)
 {
     TextureFixture f;
@@ -78,7 +78,7 @@ TEST(InvertAndClampTextures, AreByChannelAndKeepAlpha)
     TextureRecord t = TextureFixture::of(TextureKind::invert);
     t.color_a = {2, 1, 1, 1};
     t.texture_a = f.add_color(0.75f, 0.25f, -0.5f, 0.5f);
-    // add_color is a product with white.
+    // The texture is a product with white.
     EXPECT_EQ(f.at(f.add(t)), (Rgba{0, 0.75f, 1.5f, 0.5f}));
     t.kind = std::uint32_t(TextureKind::clamp);
     EXPECT_EQ(f.at(f.add(t)), (Rgba{1, 0.25f, 0, 0.5f}));
@@ -91,7 +91,7 @@ TEST(UvTransformTexture, TransformsTheCoordinatesOfItsInput)
     TextureRecord moved = TextureFixture::of(TextureKind::uv_transform);
     moved.color_a = {0.5f, 1, 1, 1};
     moved.texture_a = f.add(checker);
-    // u' = 2 v + 0.25, v' = u - 3.
+    // The map is u' = 2 v + 0.25, v' = u - 3.
     moved.uv_map = {0, 2, 0.25f, 1, 0, -3};
     const std::uint32_t texture = f.add(moved);
     for (const auto& [u, v] : {std::pair{0.1f, 0.2f}, {0.6f, 0.45f}, {1.2f, 0.1f}, {3.5f, 1.9f}}) {

@@ -8,7 +8,7 @@
 namespace fathom::test {
 namespace {
 
-/// Cells from -2 to 2 with a dot in pbrt-v4, and the centers of some.
+/// Cells from -2 to 2 are those with a dot in pbrt-v4, and some dots have its centers.
 TEST(DotsTexture, MatchPbrt)
 {
     const std::set<std::pair<int, int>> cells = {{-2, -2}, {-1, -1}, {-1, 2}, {0, 1},  {0, 2}, {1, -2},

@@ -16,7 +16,7 @@ struct TextureFixture {
         tables.textures.push_back(record);
         return std::uint32_t(tables.textures.size() - 1);
     }
-    /// A constant color.
+    /// Adds a constant color.
     std::uint32_t add_color(float r, float g, float b, float a = 1)
     {
         TextureRecord t = of(TextureKind::scale);

@@ -51,7 +51,7 @@ int wrapped(int i, int size, Wrap mode)
 {
     if (mode == Wrap::clamp) return std::clamp(i, 0, size - 1);
     if (mode == Wrap::repeat) return (i % size + size) % size;
-    // 0 1 2 2 1 0 0 1 2 ...
+    // Texels repeat as 0 1 2 2 1 0 0 1 2 ...
     const int r = (i % (2 * size) + 2 * size) % (2 * size);
     return r < size ? r : 2 * size - 1 - r;
 }
@@ -66,7 +66,7 @@ TEST(ImageTexture, TexelsInEachWrapMode)
                 for (const bool nearest : {false, true}) {
                     TextureRecord t;
                     ShadingTables tables = picture(packed ? TexelFormat::bytes : TexelFormat::float4, t);
-                    // Both storage formats hold equal 8-bit values.
+                    // Both storage formats hold equal values of 8 bits.
                     for (int i = 0; !packed && i < int(tables.texels.size()); ++i)
                         tables.texels[std::size_t(i)] = float(value(i / 4 % width, i / 4 / width, i % 4));
                     t.wrap_u = std::uint32_t(wrap_u), t.wrap_v = std::uint32_t(wrap_v);
@@ -102,7 +102,8 @@ TEST(ImageTexture, BytesInSrgbAreDecodedBeforeTheyAreMixedButNotAlpha)
     TextureRecord t;
     ShadingTables tables = picture(TexelFormat::bytes_srgb, t);
     for (std::size_t i = 0; i < 256; ++i) tables.linear_of_srgb[i] = float(i * i) / (255.f * 255);
-    const Texel at = lookup_image(tables, t, Float(0.25f), Float(0.5f), Mask(true));  // between texels 0 and 1 of row 1
+    const Texel at =
+        lookup_image(tables, t, Float(0.25f), Float(0.5f), Mask(true));  // the point is between texels 0 and 1 of row 1
     for (int c = 0; c < 4; ++c) {
         const double a = value(0, 1, c), b = value(1, 1, c);
         EXPECT_NEAR(first(at.c[c]), c < 3 ? (a * a + b * b) / 2 : (a + b) / 2, 1e-6);
@@ -120,7 +121,7 @@ TEST(ImageTexture, HalvesAndShorts)
     ShadingTables tables;
     TextureRecord t;
     t.width = t.height = 1;
-    tables.packed_images = {{0x3c00u | 0x4000u << 16, 0x4200u | 0x4400u << 16}};  // 1, 2, 3, 4
+    tables.packed_images = {{0x3c00u | 0x4000u << 16, 0x4200u | 0x4400u << 16}};  // the halves 1, 2, 3, 4
     t.format = std::uint32_t(TexelFormat::halves);
     for (int c = 0; c < 4; ++c)
         EXPECT_EQ(first(lookup_image(tables, t, Float(0.2f), Float(0.7f), Mask(true)).c[c]), c + 1);
@@ -140,7 +141,7 @@ TexturePoint point(double u0, double v0, double u1, double v1, Vec3d p = {})
             {Float(1), Float(1), Float(1), Float(1)}};
 }
 
-/// Two colors, so that the weight of the second can be recovered; alpha likewise.
+/// A texture that mixes two colors, so that the weight of the second can be recovered; alpha likewise.
 TextureRecord mixed(TextureKind kind)
 {
     TextureRecord t;
@@ -165,7 +166,7 @@ TEST(Textures, UvSetAndMap)
 {
     TextureRecord t;
     ShadingTables tables = picture(TexelFormat::float4, t);
-    // (u, v) -> (0.5 u + 0.25 v + 0.1, -0.125 u + v + 0.3)
+    // The map is (u, v) -> (0.5 u + 0.25 v + 0.1, -0.125 u + v + 0.3).
     t.uv_map = {0.5f, 0.25f, 0.1f, -0.125f, 1, 0.3f};
     t.nearest = 1;
     for (const bool second : {false, true}) {
@@ -198,7 +199,7 @@ TEST(Textures, Checkers)
     }
 }
 
-//  noise, reimplemented from the paper in double precision
+// Noise is reimplemented from the paper in double precision.
 
 std::uint32_t mix_bits(std::uint32_t x)
 {
@@ -206,7 +207,7 @@ std::uint32_t mix_bits(std::uint32_t x)
     return x;
 }
 
-/// Perlin 2002: dot products with the twelve edges of a cube, four of them twice.
+/// Noise by Perlin 2002: dot products with the twelve edges of a cube, four of them twice.
 double perlin(double x, double y, double z)
 {
     static const double edges[16][3] = {{1, 1, 0},  {-1, 1, 0},  {1, -1, 0}, {-1, -1, 0}, {1, 0, 1},  {-1, 0, 1},

@@ -51,7 +51,7 @@ void let_rank0_report_first()
 
 std::string cores_of(int process)
 {
-    // Larger than cpu_set_t: the kernel fails if the set is too small for the machine.
+    // The set is larger than cpu_set_t, because the kernel fails if it is too small for the machine.
     constexpr std::size_t max_cores = 1 << 16, word_bits = 8 * sizeof(unsigned long);
     std::vector<unsigned long> words(max_cores / word_bits);
     const std::size_t bytes = words.size() * sizeof(unsigned long);

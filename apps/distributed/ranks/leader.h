@@ -6,7 +6,8 @@
 
 namespace fathom::cli {
 
-/// An image at rank 0, which hands out samples, renders too, gathers the films of all ranks, reports and writes.
+/// Makes the render of rank 0, which hands out samples, renders too, gathers the films of all ranks, reports and
+/// writes.
 ///
 /// summary  is completed by RankRender::run()
 std::unique_ptr<RankRender> make_leader(const RenderPlan& plan, const ImageOptions& files, const RenderJob& job,

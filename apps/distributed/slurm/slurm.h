@@ -31,7 +31,7 @@ struct Task {
     bool is_running = false;
     std::string id;     ///< job number for Slurm's commands
     std::string state;  ///< Slurm's name of the state
-    /// Slurm could not start it and holds it, forever without help.
+    /// Slurm could not start the task and holds it until a user acts.
     bool is_stuck = false;
     bool is_held = false;  ///< a user holds it until it is released
     std::string node;      ///< empty until it runs

@@ -8,7 +8,7 @@ namespace fathom::cli {
 /// The two scripts of a plan, for --dry-run.
 std::string submission_scripts(const JobPlan& plan);
 
-/// Hands to Slurm what is missing of an image: tasks for the parts that no task is working on, and a job that merges
+/// Submits the missing work of an image to Slurm: tasks for the parts that no task is working on, and a job that merges
 /// all parts. Throws Error and UsageError.
 ///
 /// is_checked  a node is asked first whether it can read the scene

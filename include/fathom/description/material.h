@@ -29,7 +29,7 @@ enum class MaterialKind {
     /// Disney's BSDF (Burley 2012, 2015): a sum of microfacet, diffuse, sheen and clear coat lobes.
     disney,
     measured,  ///< Measured reflectance: SceneDescription::measured.
-    mix,       ///< Two materials, of which a path meets material_b with probability factor, otherwise material_a.
+    mix,       ///< Mixture of two materials: a path meets material_b with probability `factor`, otherwise material_a.
     two_sided  ///< material_a on the side of the geometric normal, material_b on the other side.
 };
 /// Number of values of MaterialKind.
@@ -225,23 +225,23 @@ struct Material {
     float ior = 1.5f;   ///< glass, plastic, principled, disney: index of refraction relative to empty space.
     int measured = -1;  ///< measured: index into SceneDescription::measured.
 
-    Specular specular;                         ///< glass, plastic, principled.
-    Conductor conductor;                       ///< principled.
-    Microfacets microfacets;                   ///< metal, glass, plastic, principled, disney.
-    Interior interior;                         ///< glass, principled, disney.
-    Transmission transmission;                 ///< glass, principled, disney.
-    DiffuseTransmission diffuse_transmission;  ///< principled, disney.
-    Subsurface subsurface;                     ///< principled.
-    Coat coat;                                 ///< principled, disney.
-    Sheen sheen;                               ///< principled.
-    ThinFilm thin_film;                        ///< principled.
-    Disney disney;                             ///< disney.
-    Plastic plastic;                           ///< plastic.
-    Hair hair;                                 ///< hair.
-    Mixture mixture;                           ///< mix, two_sided.
+    Specular specular;                         ///< Used by glass, plastic, principled.
+    Conductor conductor;                       ///< Used by principled.
+    Microfacets microfacets;                   ///< Used by metal, glass, plastic, principled, disney.
+    Interior interior;                         ///< Used by glass, principled, disney.
+    Transmission transmission;                 ///< Used by glass, principled, disney.
+    DiffuseTransmission diffuse_transmission;  ///< Used by principled, disney.
+    Subsurface subsurface;                     ///< Used by principled.
+    Coat coat;                                 ///< Used by principled, disney.
+    Sheen sheen;                               ///< Used by principled.
+    ThinFilm thin_film;                        ///< Used by principled.
+    Disney disney;                             ///< Used by disney.
+    Plastic plastic;                           ///< Used by plastic.
+    Hair hair;                                 ///< Used by hair.
+    Mixture mixture;                           ///< Used by mix, two_sided.
 
-    Emission emission;         ///< All kinds except unlit.
-    NormalMap normal_map;      ///< All kinds except hair, unlit, none, mix and two_sided.
+    Emission emission;         ///< Used by all kinds except unlit.
+    NormalMap normal_map;      ///< Used by all kinds except hair, unlit, none, mix and two_sided.
     bool map_tangents = true;  ///< For meshes without tangents: normal_map, the coat's normal map and
                                ///< anisotropy_texture use tangents that follow the texture coordinates of the map
                                ///< itself (its set and transform), as in glTF. If false, they use tangents of the
@@ -249,9 +249,9 @@ struct Material {
     /// Height in world-space meters whose slope bends the shading normal (Blinn 1978) before normal_map does. It has no
     /// effect without a texture. Kinds as normal_map.
     FloatInput bump{0, -1, 0};
-    Displacement displacement;      ///< All kinds.
-    Opacity opacity;                ///< All kinds.
-    Visibility visibility;          ///< All kinds.
+    Displacement displacement;      ///< Used by all kinds.
+    Opacity opacity;                ///< Used by all kinds.
+    Visibility visibility;          ///< Used by all kinds.
     bool use_vertex_color = false;  ///< Multiplies base_color and opacity by the mesh's vertex colors. All kinds.
 };
 

@@ -28,7 +28,8 @@ enum class Wrap {
     clamp,      ///< The nearest pixel of the border.
     mirror,     ///< The image is repeated, every other copy mirrored.
     black,      ///< 0, including alpha.
-    octahedral  ///< Folded across each edge, for octahedral maps of directions. It is meant for both axes.
+    octahedral  ///< The image continues across each edge, turned by 180 degrees, as octahedral maps of directions
+                ///< require. Meant for both axes.
 };
 
 /// A color parameter: `value`, multiplied by the texture if there is one.
@@ -97,10 +98,10 @@ struct Texture {
     /// Function that the texture computes. It decides which of the members below apply.
     TextureKind kind = TextureKind::image;
 
-    // Kind image.
+    // Members of kind image.
     int image = -1;                                     ///< Index into SceneDescription::images.
     ColorSpace color_space = ColorSpace::srgb;          ///< Encoding of 8- and 16-bit images.
-    Wrap wrap_u = Wrap::repeat, wrap_v = Wrap::repeat;  ///< What is outside 0 to 1 along u and v.
+    Wrap wrap_u = Wrap::repeat, wrap_v = Wrap::repeat;  ///< Continuation of the image outside 0 to 1, along u and v.
     bool nearest = false;                               ///< Looks up the nearest pixel, not bilinearly.
     /// If not 0, the image (its first channel) is a height map, and the texture is its normal map. White is higher than
     /// black by this fraction of the image's width.
@@ -115,7 +116,7 @@ struct Texture {
     /// Places the texture in world space: for kinds that use p, and for all mappings except uv. Must not be singular.
     Transform world_from_texture;
 
-    // Procedural kinds.
+    // Members of procedural kinds.
     float scale = 1;               ///< Frequency: all kinds whose formula has a scale.
     float turbulence_weight = 10;  ///< marble, veined_marble: strength of the distortion of the bands.
     int octaves = 7;               ///< turbulence, marble, fbm, wrinkled, veined_marble: number of octaves, 1 to 16.

@@ -70,7 +70,7 @@ private:
 /// Reads the bytes of the file up to the end of its EXR headers.
 std::vector<unsigned char> read_headers(const InputFile& file)
 {
-    // Headers usually take a few thousand bytes; scenes with many layers need more.
+    // Headers usually take a few thousand bytes; films with many layers need more.
     constexpr std::uint64_t first_guess = 1 << 16, most = 1 << 26;
     std::vector<unsigned char> bytes;
     for (std::uint64_t size = first_guess;; size *= 8) {
@@ -87,7 +87,7 @@ std::vector<unsigned char> read_headers(const InputFile& file)
     }
 }
 
-/// Runs an action and adds the file name to its errors: the code below it knows sums, not files.
+/// Runs an action and adds the file name to its errors, since the code that handles sums does not know it.
 template <class Action>
 auto with_file_name(const std::string& file, const char* place, Action action)
 {

@@ -90,8 +90,8 @@ int lowest_byte(Wide bits)
     return (low != 0 ? std::countr_zero(low) : 64 + std::countr_zero(std::uint64_t(bits >> 64))) / 8;
 }
 
-/// Combines the bits that of(first pixel, count) returns for blocks of pixels by bitwise or, which does not depend on
-/// order.
+/// Combines the bits that of(first pixel, count) returns for blocks of pixels by bitwise or, whose result does not
+/// depend on the order.
 template <class Bits, class Of>
 Bits joined(const Film::Data& film, const Bits& none, const Of& of)
 {
@@ -105,7 +105,7 @@ Bits joined(const Film::Data& film, const Bits& none, const Of& of)
         [&](const auto& range, const Bits& bits) { return join(of(range.begin(), range.size()), bits); }, join);
 }
 
-/// For each word of a pixel: the bits that are set in any pixel.
+/// The bits that are set in any pixel, for each word of a pixel.
 std::vector<std::uint32_t> set_bits(const Film::Data& film)
 {
     const auto words = std::size_t(film.layout.words);
@@ -119,7 +119,7 @@ std::vector<std::uint32_t> set_bits(const Film::Data& film)
     });
 }
 
-/// For each sum: the bits that differ from the sign bit in any pixel.
+/// The bits that differ from the sign bit in any pixel, for each sum.
 std::vector<Wide> magnitude_bits(const Film::Data& film, const std::vector<const PackedNumber*>& sums)
 {
     const std::vector<Wide> none(sums.size(), 0);
@@ -156,7 +156,8 @@ void unpack_number(const PackedNumber& n, const unsigned char* from, std::size_t
     }
 }
 
-/// unpack_number() for numbers of at most 8 bytes that start at byte 0, which are most; it takes a third of the time.
+/// unpack_number() for the most common case, numbers of at most 8 bytes that start at byte 0; it takes a third of the
+/// time.
 template <int words>
 void unpack_short_number(const PackedNumber& n, const unsigned char* from, std::size_t from_stride, std::size_t count,
                          std::uint32_t* number, std::size_t number_stride)
@@ -188,7 +189,7 @@ Packing::Packing(const Film::Data& film)
         number.bytes = byte_count(is_signed(number.words) ? set : set >> 1) - number.first;
         if (is_signed(number.words) && (set >> (32 * number.words - 1) & 1) != 0) negative.push_back(&number);
     }
-    // Where some pixel has a negative sum, its set bits do not bound the length of the number: magnitudes do.
+    // If a pixel has a negative sum, set bits do not bound the length of the number, but magnitudes do.
     const std::vector<Wide> magnitudes = magnitude_bits(film, negative);
     for (std::size_t n = 0; n < negative.size(); ++n) {
         PackedNumber& number = numbers_[std::size_t(negative[n] - numbers_.data())];

@@ -28,7 +28,7 @@ public:
     std::string text() const;
     /// 32-bit words of a packed pixel.
     int words() const { return words_; }
-    /// Distance between packed pixels in bytes. The slack after each pixel is read and written.
+    /// Distance between packed pixels in bytes, including slack that pack() and unpack() access.
     std::size_t stride() const { return std::size_t(words_) * 4 + slack; }
     /// Bytes after the last pixel that pack() may read.
     static constexpr std::size_t slack = 16;
@@ -42,7 +42,7 @@ private:
     void count_words();
 
     std::vector<PackedNumber> numbers_;
-    std::size_t pixel_words_ = 0;  ///< words of a film pixel
+    std::size_t pixel_words_ = 0;  ///< number of words of a film pixel
     int words_ = 0;
 };
 

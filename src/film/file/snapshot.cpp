@@ -66,8 +66,8 @@ void add_attributes(Imf::Header& header, const Film::Data& film, const Packing& 
     add(checksum_attribute, std::string(checksum_digits, '0'));
 }
 
-/// Writes the scanlines of a film file. OpenEXR would make three copies in one thread; the sums of a 4K film with all
-/// layers are 2 GB.
+/// Writes the scanlines of a film file directly: OpenEXR would make three copies in one thread, and the sums of a 4K
+/// film with all layers take 2 GB.
 class LineWriter {
 public:
     LineWriter(const Film::Data& film, const Packing& packing, const ExrChannels& picture)

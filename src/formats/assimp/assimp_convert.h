@@ -38,7 +38,7 @@ private:
     AssimpAnswer& answer_;
     SceneDescription& to_;
     std::map<std::string, int> images_, cameras_, lights_;  ///< cameras and lights are keyed by the name of their node
-    std::map<int, int> colored_;  ///< copies of materials for meshes with vertex colors, by material
+    std::map<int, int> colored_;  ///< indexed by material: copies of materials for meshes with vertex colors
 };
 
 }  // namespace fathom

@@ -86,7 +86,7 @@ private:
     std::size_t left_;
 };
 
-/// Lists the members of each type once for both serialization and deserialization.
+/// Lists the members of each type once, for both serialization and deserialization.
 template <class Archive, class T>
 void members(Archive& a, T& x)
 {

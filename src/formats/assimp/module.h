@@ -16,7 +16,7 @@ struct AssimpAnswer {
     std::vector<std::string> warnings;
 };
 
-/// What the module is to read.
+/// A request to the module: the file to read, and options.
 struct AssimpRequest {
     std::filesystem::path file;
     bool turn_up = true;           ///< whether to apply the axes that the file specifies

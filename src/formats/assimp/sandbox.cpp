@@ -61,7 +61,7 @@ void refuse_with_bits(std::vector<sock_filter>& program, int number, std::size_t
 {
     const std::size_t place = offsetof(seccomp_data, args) + argument * sizeof(seccomp_data::args[0]);
     program.push_back(BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, std::uint32_t(number), 0, 4));
-    program.push_back(load(place));  // the low 32 bits on little-endian machines
+    program.push_back(load(place));  // loads the low 32 bits on little-endian machines
     program.push_back(BPF_JUMP(BPF_JMP | BPF_JSET | BPF_K, bits, 0, 1));
     program.push_back(answer(SECCOMP_RET_ERRNO | EACCES));
     program.push_back(answer(SECCOMP_RET_ALLOW));

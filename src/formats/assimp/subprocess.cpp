@@ -82,7 +82,7 @@ std::string reason(int status)
     return WEXITSTATUS(status) == 2 ? "it ran out of memory" : "it failed";
 }
 
-/// Waits for data or its end; false if the deadline passes first.
+/// Waits for data or the end of the stream; false if the deadline passes first.
 bool wait_for_bytes(int fd, std::chrono::steady_clock::time_point deadline)
 {
     for (;;) {

@@ -44,7 +44,7 @@ inline FloatInput product(SceneDescription& scene, const FloatInput& a, const Fl
 /// Blends a material with full transparency by setting its alpha.
 ///
 /// weight      fraction of the material
-/// of_nothing  whether `weight` is the fraction of transparency instead
+/// of_nothing  whether `weight` is the fraction of transparency instead of the material
 inline Material blend_with_transparent(SceneDescription& scene, Material m, FloatInput weight, bool of_nothing)
 {
     if (of_nothing && weight.texture < 0) weight.value = 1 - weight.value;

@@ -12,7 +12,7 @@ namespace fathom {
 /// A scene file to import.
 struct SourceFile {
     const std::filesystem::path& path;
-    std::string extension;  ///< in lower case, with its dot
+    std::string extension;  ///< lower case, with its dot
     InputFile& input;       ///< in lower case, with its dot
     const LoadOptions& options;
 

@@ -23,7 +23,7 @@ public:
     MeshFaults mesh_faults;
     /// The scenes, variants and animations that the main file offers; filled by readers of formats with choices.
     SceneFileContents offered;
-    std::string format;                             ///< of the main file
+    std::string format;                             ///< format of the main file
     std::vector<std::filesystem::path> open_files;  ///< files being read, the main file first; detects include cycles
 
     /// Resolves a path that the scene refers to. If it doesn't exist, a path that differs only in case, or by

@@ -12,7 +12,7 @@ namespace fathom {
 /// Reads a measured BRDF from a file of the RGL material database (.bsdf). Spectra become colors under D65. Throws
 /// Error.
 ///
-/// file  for messages
+/// file  name of the file, for messages
 MeasuredBrdf read_measured(const std::filesystem::path& file, std::string_view bytes);
 
 /// The measured BRDFs that a scene refers to; each file is read once.

@@ -52,7 +52,7 @@ public:
         if (outside && std::find(outside_.begin(), outside_.end(), outside) == outside_.end())
             outside_.push_back(outside);
     }
-    /// Outside media that are neither inside a shape nor around the camera, in order of registration.
+    /// Outside media that are neither inside any shape nor around the camera, in order of registration.
     std::vector<const Medium*> not_enclosed(const Medium* around_camera) const
     {
         std::vector<const Medium*> found;

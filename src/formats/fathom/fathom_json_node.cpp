@@ -11,7 +11,7 @@ namespace fathom {
 
 namespace {
 
-/// Deeper than real scenes, and shallow enough for the recursion's stack use.
+/// Maximum nesting of nodes: more than real scenes have, and few enough for the stack that recursion uses.
 constexpr int deepest_node = 200;
 
 }  // namespace

@@ -56,17 +56,17 @@ private:
         bool is_placed = false;  ///< whether a node refers to it
     };
 
-    // fathom_json.cpp
+    // Defined in fathom_json.cpp:
     Camera read_camera(const JsonValue& v, const std::string& name);
     void read_cameras(JsonObject& scene);
     void read_environment(const JsonValue& v);
     void read_render(const JsonValue& v);
     void keep_zero_exposure();
     void add_unplaced_to_roots();
-    /// Reads things that nothing refers to, so that errors in them are reported.
+    /// Reads objects that nothing refers to, so that errors in them are reported.
     void read_unused();
 
-    // fathom_json_material.cpp
+    // Defined in fathom_json_material.cpp:
     int image(const JsonValue& path);
     /// Index of the measured BRDF in a file, which is read on first use.
     int measured(const JsonValue& path);
@@ -98,13 +98,13 @@ private:
     void read_emission_unit(JsonObject& o, Material& material);
     static void read_conductor(JsonObject& o, Material& material);
 
-    // fathom_json_light.cpp
+    // Defined in fathom_json_light.cpp:
     bool read_picture(JsonObject& o, const LightKindInfo& info, Light& light);
     Placed add_light(const JsonValue& v, const std::string& name);
     void read_light(const JsonValue& v, Node& node);
 
-    // fathom_json_shape.cpp
-    /// depth  number of enclosing arrays
+    // Defined in fathom_json_shape.cpp:
+    // depth  number of enclosing arrays
     Transform transform(const JsonValue& v, int depth = 0);
     std::optional<Shape> read_shape(JsonObject& o);
     /// Index of a mesh, of curves or of points; unnamed ones are defined in place.
@@ -119,7 +119,7 @@ private:
     /// file.
     std::optional<PlyData> read_data_file(JsonObject& o);
 
-    // fathom_json_node.cpp
+    // Defined in fathom_json_node.cpp:
     int node(const JsonValue& v, int depth);
     int add_node(const JsonValue& v, const std::string& name, int depth);
     /// Index of a named node, which is read on first reference; throws Error at a cycle.
@@ -134,7 +134,7 @@ private:
 
     /// The entry of a top-level table that the string `v` names. Throws Error with a suggestion if there is none.
     JsonValue find(const char* table, const char* what, const JsonValue& v);
-    /// A top-level object of named things; nullptr if the file lacks it.
+    /// A top-level object with an entry for each name; nullptr if the file lacks it.
     const JsonValue* table(const char* key);
     /// Calls use(name, value) for each entry of a top-level object, in the order of the file.
     template <class Use>
@@ -162,7 +162,7 @@ private:
     IndexedMap<std::string, Placed> cameras_, lights_;
     std::map<std::string, Named> nodes_;
     std::vector<std::string> reading_nodes_;  ///< names of the enclosing nodes, for the message about a cycle
-    std::map<std::string, Appended> models_;  ///< models by path and options: read once, then instanced
+    std::map<std::string, Appended> models_;  ///< models by path and options: each is read once and then instanced
 };
 
 }  // namespace fathom

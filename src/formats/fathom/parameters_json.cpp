@@ -93,7 +93,7 @@ private:
         return all;
     }
 
-    /// A value, the name of a texture, or an object with both.
+    /// A parameter in JSON: its value, the name of its texture, or an object with both.
     Json input(Json value, int texture, Json channel) const
     {
         if (texture < 0 && channel.is_null()) return value;

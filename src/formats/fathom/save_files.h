@@ -29,7 +29,8 @@ public:
     /// Registers a file and returns its path relative to the scene file. Only letters, digits, dots and dashes of
     /// `name` are kept.
     std::string add(const std::string& name, const std::string& extension, Write write);
-    /// The path to an existing file for the scene file: relative if possible; empty if it can't be expressed in UTF-8.
+    /// Returns the path to write into the scene file for an existing file: relative if possible; empty if it can't be
+    /// expressed in UTF-8.
     std::string refer(const std::filesystem::path& file) const;
 
     /// Writes all files. Throws Error, before writing any, if a file or the target is one that the scene was read from.

@@ -41,8 +41,8 @@ std::string extension_of(const ImageFile& image)
     return std::filesystem::path(image.name).extension().string();
 }
 
-/// Writes a scene description as JSON. Each kind of thing has a table in the order of the description and is referred
-/// to by name.
+/// Writes a scene description as JSON. Each kind of object has a table in the order of the description; entries are
+/// referred to by name.
 class SceneWriter {
 public:
     SceneWriter(const SceneDescription& scene, const std::string& file, SaveFiles& files, Warnings& warnings)
@@ -91,7 +91,7 @@ private:
         for (const T& thing : things) names.push_back(unique.add(thing.name, other));
     }
 
-    /// Adds a table with make() of each thing; null results are omitted.
+    /// Adds a table with the result of make() for each object; null results are omitted.
     template <class T>
     void add(Json& json, const char* key, const std::vector<T>& things, const std::vector<std::string>& names,
              Json (SceneWriter::*make)(const T&, std::size_t))
@@ -363,7 +363,7 @@ private:
         return is_inline(i) ? Json() : node_json(node, nodes_[i]);
     }
 
-    /// name  the node's name if it has none of its own
+    /// name  name of the node's entry, or empty if it is written in place
     Json node_json(const Node& node, const std::string& name)
     {
         Json json = Json::object();
@@ -423,8 +423,8 @@ private:
     SaveFiles& files_;
     Warnings& warnings_;
     std::vector<std::string> cameras_, lights_, textures_, materials_, measured_, meshes_, curves_, points_, nodes_;
-    std::vector<std::string> images_;  ///< paths
-    std::vector<int> uses_, heights_;  ///< by node
+    std::vector<std::string> images_;  ///< paths of images in the scene file
+    std::vector<int> uses_, heights_;  ///< indexed by node: number of references, and nesting depth of its descendants
     std::vector<bool> has_camera_, has_light_;
 };
 

@@ -53,7 +53,7 @@ T load(const char* p)
 /// Position of components in an element of the file.
 struct ElementLayout {
     int columns, rows;
-    std::size_t column_stride;  ///< bytes
+    std::size_t column_stride;  ///< distance in bytes
 };
 
 template <class T, bool normalized>

@@ -7,7 +7,7 @@
 
 namespace fathom {
 
-/// Memory for converted elements, whose missing components become `fill`.
+/// Memory for converted elements; components that the file lacks become `fill`.
 struct FloatElements {
     float* values;
     int components;
@@ -34,7 +34,7 @@ public:
 
 private:
     struct Source {
-        const char* data = nullptr;  ///< null: all zeros
+        const char* data = nullptr;  ///< null if all elements are zero
         std::size_t stride = 0;
     };
     void use(const DecodedAccessor& decoded, const JsonValue& v);

@@ -15,7 +15,7 @@ class GltfFile;
 /// Decompresses a buffer view of EXT_meshopt_compression with the meshoptimizer library. Throws Error naming `v` if the
 /// data is damaged or memory doesn't suffice.
 ///
-/// v     the extension's object
+/// v     the extension's JSON object
 /// data  the compressed bytes
 std::string decode_meshopt(const GltfFile& file, const JsonValue& v, std::span<const char> data);
 

@@ -189,7 +189,7 @@ void GltfFile::load_buffer(const JsonValue& v, bool is_first, std::string& out, 
     view = view.first(length);
 }
 
-/// The bytes of a buffer view, or of an extension's object with the same keys.
+/// The bytes of a buffer view, given by its JSON or by an extension's object with the same keys.
 std::span<const char> GltfFile::bytes_of(const JsonValue& v)
 {
     if (!v.has("buffer")) v.fail("key 'buffer' is missing");

@@ -77,7 +77,7 @@ private:
         std::span<const char> view;
     };
     std::map<std::size_t, Buffer> buffers_;
-    std::map<std::size_t, std::string> unpacked_;  ///< decompressed buffer views, by index
+    std::map<std::size_t, std::string> unpacked_;  ///< decompressed buffer views, by view index
     std::map<std::size_t, DecodedAccessor> decoded_;
 };
 

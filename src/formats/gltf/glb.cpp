@@ -332,9 +332,9 @@ private:
     GlbBuffer buffer_;
     GlbMaterials materials_;
     Json nodes_ = Json::array(), meshes_ = Json::array(), cameras_ = Json::array(), lights_ = Json::array();
-    std::map<int, Json> geometry_;  ///< by mesh index
+    std::map<int, Json> geometry_;  ///< primitives by mesh index
     std::map<std::vector<std::pair<int, int>>, int> mesh_indices_;
-    Json unit_spheres_[2];  ///< facing outward and inward
+    Json unit_spheres_[2];  ///< meshes of a unit sphere: facing outward, and inward
     std::map<std::pair<int, int>, int> sphere_meshes_;
     std::map<int, int> camera_indices_, light_indices_;
 };

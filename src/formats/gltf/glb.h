@@ -9,7 +9,7 @@ namespace fathom {
 
 /// The bytes of a GLB file (glTF 2.0). The scene must have passed check_scene.
 ///
-/// file  for warnings and errors
+/// file  name of the file, for warnings and errors
 std::string glb_bytes(const SceneDescription& scene, const std::string& file, Warnings& warnings);
 
 }  // namespace fathom

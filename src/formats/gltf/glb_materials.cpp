@@ -132,7 +132,7 @@ bool has_facets(MaterialKind kind)
            kind == MaterialKind::principled;
 }
 
-/// The color that glTF's base color stands for: of transmission in clear materials, else of reflection.
+/// The color that glTF's base color must be: that of transmission in clear materials, else that of reflection.
 ColorInput base_color(const Material& m)
 {
     const bool is_clear = m.kind == MaterialKind::glass || (m.transmission.weight.value > 0 && m.metallic.value == 0);
@@ -162,7 +162,7 @@ void GlbMaterials::put_base_color(const Material& m, Json& json)
     if (json.contains("baseColorFactor") && json["baseColorFactor"].size() == 3) json["baseColorFactor"].push_back(1);
 }
 
-/// The GGX roughness that comes closest.
+/// The GGX roughness that is closest to the material's roughness.
 FloatInput GlbMaterials::ggx_roughness(const Material& m)
 {
     FloatInput roughness = has_facets(m.kind) ? m.roughness : FloatInput{1, -1, green};
@@ -341,7 +341,7 @@ Material principled_from_disney(Material m)
         m.roughness.value = float(std::sqrt(square * aspect));
         m.microfacets.two_roughnesses = true;
     }
-    // Disney's clearcoat: a quarter of a boundary of index 1.5, with alpha from 0.1 to 0.001.
+    // Disney's clearcoat is a quarter of a boundary of index 1.5, with alpha from 0.1 to 0.001.
     m.coat.weight.value *= 0.25f;
     m.coat.roughness = {std::sqrt(0.1f + m.disney.coat_gloss.value * (0.001f - 0.1f)), -1, green};
     const float sheen = m.disney.sheen.value;

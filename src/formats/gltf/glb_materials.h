@@ -61,10 +61,10 @@ private:
     GlbBuffer& buffer_;
     const std::string& file_;
     Warnings& warnings_;
-    const Material* current_ = nullptr;  ///< the material that losses are reported for
+    const Material* current_ = nullptr;  ///< the material named in reports of losses
     std::map<int, int> indices_, images_;
     std::map<std::tuple<Wrap, Wrap, bool>, int> samplers_;
-    std::map<std::pair<int, int>, int> textures_;  ///< by image and sampler
+    std::map<std::pair<int, int>, int> textures_;  ///< glTF textures by image and sampler
     Json materials_ = Json::array(), texture_list_ = Json::array(), image_list_ = Json::array(),
          sampler_list_ = Json::array();
     std::set<std::string> extensions_;

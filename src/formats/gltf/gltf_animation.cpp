@@ -15,10 +15,10 @@ namespace fathom {
 
 namespace {
 
-/// A JSON pointer of KHR_animation_pointer, where `*` is the target's index, and the value that it animates.
+/// A JSON pointer of KHR_animation_pointer, where `*` is the target's index, and the property that it animates.
 struct Pointer {
     const char* pattern;
-    const char* list;  ///< list of targets in the file; null: that of KHR_lights_punctual
+    const char* list;  ///< list of targets in the file; null: the light list of KHR_lights_punctual
     AnimatedProperty value;
     const char* factor = nullptr;  ///< member of the same object that multiplies the value
     bool is_factor_colour = false;
@@ -45,7 +45,7 @@ constexpr Pointer pointers[] = {
     {"/cameras/*/perspective/yfov", "cameras", AnimatedProperty::fov_y},
     {"/cameras/*/orthographic/ymag", "cameras", AnimatedProperty::height}};
 
-/// The index in place of `*`, if the text matches the pattern.
+/// Returns the index in place of `*` if the text matches the pattern.
 std::optional<int> match(std::string_view pattern, std::string_view text)
 {
     const std::size_t star = pattern.find('*');
@@ -159,7 +159,7 @@ void GltfReader::scale_by_rest_value(const std::string& pointer, AnimationChanne
         const std::string member(p.pattern, std::string_view(p.pattern).find('*'));
         const Json* target = below(file_.root().json(), member + std::to_string(channel.target));
         const Json* rest = target ? below(*target, p.factor) : nullptr;
-        // Defaults: without an emissive factor nothing is emitted, and lights are white.
+        // Factors have defaults: without an emissive factor nothing is emitted, and lights are white.
         const bool is_dark = !rest && std::string_view(p.factor) == "/emissiveFactor";
         multiply(channel.values,
                  is_dark ? std::vector<float>(3, 0.0f)

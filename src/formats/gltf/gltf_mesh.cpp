@@ -188,7 +188,7 @@ MorphTarget GltfReader::read_morph_target(const JsonValue& target, std::size_t f
     return result;
 }
 
-/// weights  at rest; default 0 for all targets
+/// weights  weights at rest; by default 0 for all targets
 void GltfReader::add_morphs(const JsonValue& primitive, const std::optional<JsonValue>& weights, std::size_t first,
                             Mesh& mesh, Part& part)
 {

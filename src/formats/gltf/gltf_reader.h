@@ -26,7 +26,8 @@ private:
     /// One primitive of a mesh as a shape, with its data for skinning and morph targets.
     struct Part {
         Shape shape;
-        std::vector<std::uint16_t> joints;  ///< the same number for each vertex, if the mesh has a skin
+        std::vector<std::uint16_t>
+            joints;  ///< indices of joints, as many for each vertex; empty if the mesh has no skin
         std::vector<float> weights;
         // Members below are set if the file has animations.
         Mesh rest;  ///< the mesh without morphing and skinning
@@ -34,19 +35,19 @@ private:
         std::vector<float> target_weights;
     };
 
-    // gltf_texture.cpp
+    // Defined in gltf_texture.cpp:
     int image(const JsonValue& index);
     /// Index of the image of a texture; nothing if this build can't read any of its encodings.
     std::optional<int> texture_image(const JsonValue& texture);
     /// Index of the texture that a texture info object refers to, with its uv transform; -1 if its image can't be read.
     int texture(const JsonValue& info, ColorSpace color_space);
 
-    // gltf_material.cpp
+    // Defined in gltf_material.cpp:
     int material(const JsonValue& primitive, bool has_colors);
     Material read_material(const JsonValue& v);
     void read_metallic_roughness(const JsonValue& v, Material& m);
 
-    // gltf_layers.cpp
+    // Defined in gltf_layers.cpp:
     void read_layers(const JsonValue& extensions, Material& m);
     void read_specular_glossiness(const JsonValue& v, Material& m);
     void read_transmission(const JsonValue& extensions, Material& m);
@@ -63,10 +64,10 @@ private:
 
     std::optional<std::size_t> material_index(const JsonValue& primitive);
 
-    // gltf_mesh.cpp
-    /// weights  of the morph targets, if the node has its own
+    // Defined in gltf_mesh.cpp:
+    // weights  weights of the morph targets, if the node has its own
     const std::vector<Part>& mesh(const JsonValue& index, const std::optional<JsonValue>& weights, std::size_t node);
-    /// Nothing, with a warning, if the primitive has no positions.
+    /// Returns nothing, with a warning, if the primitive has no positions.
     std::optional<Accessor> read_positions(const JsonValue& primitive);
     void read_primitive(const JsonValue& primitive, const std::string& name, const std::optional<JsonValue>& weights,
                         std::vector<Part>& parts);
@@ -79,8 +80,7 @@ private:
     void add_morphs(const JsonValue& primitive, const std::optional<JsonValue>& weights, std::size_t first, Mesh& mesh,
                     Part& part);
 
-    // gltf_scene.cpp
-    /// Reads a node's name, transform, children and visibility.
+    // Defined in gltf_scene.cpp. Reads a node's name, transform, children and visibility.
     void read_node_transform(const JsonValue& v, std::size_t index);
     /// Reads a node's camera, light, mesh, skin and instances.
     void read_contents(const JsonValue& v, std::size_t index);
@@ -95,13 +95,13 @@ private:
     /// EXT_mesh_gpu_instancing: adds one child per instance, with the node's shapes.
     void add_instances(const JsonValue& instancing, std::size_t node);
 
-    // gltf_skin.cpp
-    /// Adds a skinned mesh, bent to its rest pose, as a root node; primitives without joints stay at the node.
+    // Defined in gltf_skin.cpp. Adds a skinned mesh, bent to its rest pose, as a root node; primitives without joints
+    // stay at the node.
     void add_skinned(const JsonValue& skin_index, std::size_t node, const std::vector<Part>& parts);
     Skin read_skin(const JsonValue& skin) const;
     Transform world_from_node(const JsonValue& v, std::size_t node) const;
 
-    // gltf_animation.cpp
+    // Defined in gltf_animation.cpp:
     void read_animations();
     Animation read_animation(const JsonValue& v);
     /// Reads a channel; nothing if its target is not supported, which is reported.
@@ -122,11 +122,12 @@ private:
 
     std::map<std::size_t, int> images_, cameras_, lights_;
     std::map<std::string, int> textures_;
-    std::map<std::pair<int, bool>, int> materials_;  ///< by index (-1: none) and presence of vertex colors
+    std::map<std::pair<int, bool>, int>
+        materials_;  ///< scene materials by glTF index (-1: none) and presence of vertex colors
     std::map<std::pair<std::size_t, std::size_t>, std::vector<Part>>
         meshes_;                   ///< by mesh index and index of the node that has weights of its own
     std::vector<int> parents_;     ///< parent of each node, -1 for roots
-    std::vector<bool> invisible_;  ///< for each node
+    std::vector<bool> invisible_;  ///< whether the node is hidden, by node index
 
     AnimationRig rig_;
     std::vector<bool> is_morphed_, may_hide_;         ///< nodes whose morph weights or visibility are animated

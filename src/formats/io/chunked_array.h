@@ -95,7 +95,7 @@ private:
         if (chunks_.size() > 1) chunks_.back().reserve(chunk);
     }
 
-    std::vector<Chunk> chunks_;  ///< all full except the last
+    std::vector<Chunk> chunks_;  ///< all chunks are full except the last
     std::size_t size_ = 0;
 };
 

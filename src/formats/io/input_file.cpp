@@ -115,7 +115,7 @@ void InputFile::read_to_the_end(bool has_size)
             const std::size_t got = read_some(start_.data() + size, start_.size() - size);
             size += got;
             if (size < start_.size()) break;
-            // Input from a pipe might never end.
+            // Input from a pipe might never end, so its size is limited.
             if (size > (std::size_t(1) << 32) && !has_size)
                 throw Error(name_, "", "provides more than 4 GB and is not a regular file");
             start_.resize(2 * size);

@@ -16,7 +16,7 @@ public:
     explicit InputFile(const std::filesystem::path& file);
     /// Wraps contents that are in memory already.
     ///
-    /// name  for messages
+    /// name  name of the file, for messages
     InputFile(std::string name, std::string bytes);
     InputFile(InputFile&& other) noexcept;
     InputFile(const InputFile&) = delete;

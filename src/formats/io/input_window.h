@@ -24,7 +24,7 @@ public:
         if (end_ - at_ < least) fill(least);
         return {buffer_.data() + at_, end_ - at_};
     }
-    /// Advances by `size` bytes of the last peek().
+    /// Advances by `size` bytes, which the last peek() must have returned.
     void pass(std::size_t size) { at_ += size; }
 
     /// The next `size` bytes in one contiguous piece; null if fewer are left.
@@ -53,7 +53,7 @@ private:
 
     InputFile* input_;
     std::vector<char> buffer_;
-    std::size_t at_ = 0, end_ = 0;  ///< unread range of the buffer
+    std::size_t at_ = 0, end_ = 0;  ///< range of the buffer that is not read yet
     std::uint64_t got_ = 0;         ///< bytes read from the file
     bool is_at_end_ = false;
 };

@@ -22,7 +22,7 @@ public:
 
     /// Parses the header. `bytes` must outlive this object. Throws Error if the file is damaged or truncated.
     ///
-    /// name  for messages
+    /// name  name of the file, for messages
     TensorFile(std::string name, std::string_view bytes);
 
     /// The array of that name; null if it is missing.

@@ -17,7 +17,7 @@ enum class DuplicateKeys { last_wins, error };
 /// Parses UTF-8 JSON. Throws Error with line and column for invalid JSON and, if requested, for duplicate keys in an
 /// object.
 ///
-/// file  for messages
+/// file  name of the file, for messages
 Json parse_json(const std::string& file, std::string_view text, DuplicateKeys duplicates);
 
 /// Name of the value's type for messages: "a string", "an object", "null".

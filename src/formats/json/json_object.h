@@ -23,11 +23,11 @@ public:
     {
     }
 
-    JsonValue operator[](std::string_view key) const;  ///< the key must exist
-    JsonValue operator[](std::size_t index) const;     ///< the index must be in range
+    JsonValue operator[](std::string_view key) const;  ///< value of a key that must exist
+    JsonValue operator[](std::size_t index) const;     ///< element at an index that must be in range
     bool has(std::string_view key) const { return json_->is_object() && json_->contains(key); }
-    std::optional<JsonValue> get(std::string_view key) const;  ///< nothing if the value is not an object or lacks the
-                                                               ///< key
+    std::optional<JsonValue> get(
+        std::string_view key) const;  ///< value of a key; nothing if this is not an object or lacks the key
 
     const Json& json() const { return *json_; }
     std::size_t size() const { return json_->size(); }

@@ -11,7 +11,7 @@ namespace fathom {
 void set_face_colors(Mesh& mesh, const std::vector<Vec4f>& colors)
 {
     VertexIndex tints, colors_of_tints, vertices;
-    std::vector<std::uint32_t> from;  // for each new vertex, the vertex that it duplicates
+    std::vector<std::uint32_t> from;  // for each new vertex, the index of the vertex that it duplicates
     mesh.colors.clear();
     const auto bits = [](float x) { return std::bit_cast<std::uint32_t>(x); };
     for (std::size_t i = 0; i < mesh.indices.size(); ++i) {

@@ -8,7 +8,7 @@ namespace fathom {
 
 /// Gives each triangle a color; vertices shared by triangles of different colors are duplicated.
 ///
-/// colors  one for each triangle
+/// colors  one color for each triangle
 void set_face_colors(Mesh& mesh, const std::vector<Vec4f>& colors);
 
 }  // namespace fathom

@@ -11,7 +11,7 @@ namespace fathom {
 /// bounding box just touch; it is 1 cm for a single point. Points that are not finite are removed with a warning, so
 /// the result may be empty.
 ///
-/// file  for warnings
+/// file  name of the file, for warnings
 Points fitting_points(std::vector<Vec3f> points, const std::string& file, Warnings& warnings);
 
 /// Round curves for lines without a width. The radius is 1/1000 of the diagonal of the bounding box, or 1 cm if that is

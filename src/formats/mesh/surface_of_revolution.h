@@ -15,7 +15,7 @@ inline constexpr int sides_of_circle = 256;
 
 /// Rotates a profile about z by angles from 0 to `phi_max` and returns triangles; u follows the angle.
 ///
-/// Normals are those of the profile. Triangles face outward where the profile is ordered upward.
+/// Normals are those of the profile. Triangles face outward if the profile is ordered upward.
 Mesh turned(const std::vector<ProfilePoint>& profile, double phi_max, int sides);
 
 }  // namespace fathom

@@ -36,7 +36,7 @@ bool has_normal_map(const SceneDescription& scene, const Material& m)
            has_normal_map(scene, scene.materials[std::size_t(m.mixture.material_b)]);
 }
 
-/// Adds tangents along increasing u, with the bitangent cross(normal, tangent) even where uv is mirrored: Mitsuba's
+/// Adds tangents along increasing u, with the bitangent cross(normal, tangent) even if uv is mirrored: Mitsuba's
 /// shading frame.
 void add_tangents(Mesh& mesh)
 {

@@ -19,14 +19,14 @@ namespace fathom::mitsuba {
 
 namespace {
 
-/// Deeper than real scenes, and shallow enough for the recursion's stack use.
+/// Maximum nesting of elements: more than real scenes have, and few enough for the stack that recursion uses.
 constexpr int deepest_element = 100, deepest_include = 15;
 /// Repeated includes can turn small files into huge scenes.
 constexpr std::size_t max_elements = 50'000'000;
 
 const std::string none;
 
-/// The file of this name in the first folder that has it.
+/// Returns the path of a file in the first folder that has it.
 std::optional<std::filesystem::path> first_existing(const std::vector<std::filesystem::path>& folders,
                                                     const std::string& name, LoadContext& context)
 {

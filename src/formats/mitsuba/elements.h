@@ -26,7 +26,7 @@ struct Element {
     std::vector<std::unique_ptr<Element>> children;
     Place place;
 
-    /// Empty if the attribute is missing.
+    /// Returns the value of an attribute; empty if it is missing.
     const std::string& attribute(std::string_view name) const;
     const std::string& type() const { return attribute("type"); }
     const std::string& name() const { return attribute("name"); }
@@ -38,7 +38,7 @@ struct Element {
 
 /// The elements of a scene and of its included files.
 struct Document {
-    std::deque<std::string> files;  ///< names that places refer to
+    std::deque<std::string> files;  ///< names of files, to which places refer
     std::unique_ptr<Element> root;
     /// Elements by id and alias.
     std::map<std::string, const Element*, std::less<>> by_id;

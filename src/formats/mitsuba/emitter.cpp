@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Emitters without a surface.
+// Reading of emitters that have no surface.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -135,7 +135,7 @@ void Reader::read_emitter(const Element& element)
     emitter.finish(context_.warnings);
 }
 
-/// The image of a bitmap; nothing for another texture, which is reported.
+/// The image of a bitmap texture; nothing for another texture, which is reported.
 std::optional<LightImage> Reader::light_picture(const Element& texture)
 {
     Object object(texture, document_);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// BSDFs of Mitsuba 0.6 that later versions dropped.
+/// Conversion of BSDFs of Mitsuba 0.6 that later versions dropped.
 #include <fmt/format.h>
 
 #include <algorithm>

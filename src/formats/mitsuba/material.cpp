@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// BSDFs and participating media; docs/formats.md documents the conversion of each plugin.
+// Conversion of BSDFs and participating media; docs/formats.md describes it for each plugin.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -308,7 +308,7 @@ Material Reader::hair(Object& bsdf)
     m.base_color = {{1, 1, 1}, -1};
     if (bsdf.has("sigma_a")) {
         const float scale = float(bsdf.number("scale", 1));
-        const std::optional<Color> plain = color_of(*bsdf.child("sigma_a"));  // values may exceed 1
+        const std::optional<Color> plain = color_of(*bsdf.child("sigma_a"));  // plain values, which may exceed 1
         m.hair.absorption = plain ? ColorInput{*plain, -1} : color(bsdf, "sigma_a", {0, 0, 0});
         for (float* c : {&m.hair.absorption.value.r, &m.hair.absorption.value.g, &m.hair.absorption.value.b})
             *c *= scale;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// BSDFs that combine two others.
+/// Conversion of BSDFs that combine two others.
 #include <fmt/format.h>
 
 #include <utility>

@@ -29,15 +29,15 @@ public:
     int integer(std::string_view name, int otherwise);
     bool boolean(std::string_view name, bool otherwise);
     std::string text(std::string_view name, std::string_view otherwise);
-    /// A point or vector; nothing if it is missing.
+    /// A point or vector; nothing if the parameter is missing.
     std::optional<Vec3d> vector(std::string_view name);
-    /// A transform; the identity if it is missing.
+    /// A transform; the identity if the parameter is missing.
     Transform transform(std::string_view name);
     /// The element of a parameter, with references resolved; null if it is missing.
     const Element* child(std::string_view name);
     /// The child elements of a tag in the order of the file, with references resolved.
     std::vector<const Element*> children(std::string_view tag);
-    /// Marks parameters as read that have no effect in Fathom.
+    /// Marks parameters that have no effect in Fathom as read.
     void ignore(std::initializer_list<std::string_view> names);
     /// Warns of all parameters that were never read.
     void finish(Warnings& warnings) const;

@@ -30,11 +30,11 @@ public:
 private:
     using Key = std::pair<const Element*, std::string>;
 
-    // scene.cpp: sensor, film and integrator
+    // Defined in scene.cpp: sensor, film and integrator.
     void read_root(const Element& element);
     void read_sensor(const Element& element);
     struct FieldOfView {
-        double angle;  ///< radians
+        double angle;  ///< angle in radians
         FovAxis axis;  ///< side of the image that the angle spans
     };
     /// Field of view of cameras and projectors.
@@ -45,7 +45,7 @@ private:
     void look_at_crop(Object& sensor, Camera& camera) const;
     void read_integrator(const Element& element);
     void hide_emitters();
-    // emitter.cpp
+    // Defined in emitter.cpp:
     void read_emitter(const Element& element);
     std::optional<LightImage> light_picture(const Element& texture);
     void read_projector(Object& emitter, Light& light);
@@ -55,7 +55,7 @@ private:
     /// Adds a collimated light in front of a shape whose emitter shines along the normal only.
     void add_beam(const Element& element, Object& shape, Node& node);
 
-    // texture.cpp: colors and textures. Reflectances are clamped to at most 1.
+    // Defined in texture.cpp: colors and textures. Reflectances are clamped to at most 1.
     ColorInput color(Object& of, std::string_view name, Color otherwise);
     /// A number or texture. A color texture is read by its luminance.
     FloatInput number_or_texture(Object& of, std::string_view name, float otherwise);
@@ -64,7 +64,7 @@ private:
     /// A constant color or spectrum; nothing for a texture.
     std::optional<Color> color_of(const Element& element);
     Color spectrum(const Element& element);
-    /// Index of a texture.
+    /// Reads a texture and returns its index.
     ///
     /// data  whether values are data rather than colors
     int texture(const Element& element, bool data);
@@ -72,7 +72,7 @@ private:
     int checkerboard(Object& texture, bool data);
     int mesh_attribute(Object& texture);
 
-    // material.cpp
+    // Defined in material.cpp:
     int material(const Element& bsdf);
     Material read_bsdf(const Element& element);
     Material read_nested(Object& bsdf);
@@ -85,7 +85,7 @@ private:
     Material principled(Object& bsdf);
     Material measured(Object& bsdf);
     Material mask(Object& bsdf);
-    // bumps.cpp
+    // Defined in bumps.cpp:
     Material bumps(Object& bsdf);
     Material bumped(Material m, const FloatInput& height);
     Material normal_mapped(Material m, int map);
@@ -97,7 +97,7 @@ private:
     Material bend_parts(Material mixture, const Bend& bend);
     Material two_sided(Object& bsdf);
     Material blend(Object& bsdf);
-    // legacy_materials.cpp: plugins of Mitsuba 0.6
+    // Defined in legacy_materials.cpp: plugins of Mitsuba 0.6.
     Material phong(Object& bsdf);
     Material rough_diffuse(Object& bsdf);
     Material diffuse_transmitter(Object& bsdf);
@@ -113,7 +113,7 @@ private:
     /// Index of refraction inside over outside.
     double relative_ior(Object& bsdf, double inside, double outside);
     double ior(Object& bsdf, std::string_view name, double otherwise);
-    // opacity.cpp
+    // Defined in opacity.cpp:
     Material combine_opacity(Material mixture);
     Material mix_with_clear_sheet(Material m);
     /// Adds emission to a material so that its alpha doesn't scale the emission.
@@ -123,7 +123,7 @@ private:
     void read_interior(const Element& medium, Material& material);
     void finish_media();
 
-    // shape.cpp
+    // Defined in shape.cpp:
     void read_shape(const Element& element, std::vector<int>& roots);
     std::optional<Shape> read_geometry(Object& shape, Node& node);
     std::optional<Shape> model(Object& shape, Node& node);
@@ -163,7 +163,7 @@ private:
         std::string first_id;
         std::set<std::string> ids;
     };
-    std::map<std::pair<std::string, std::string>, ReportCount> report_counts_;  ///< by element type and message
+    std::map<std::pair<std::string, std::string>, ReportCount> report_counts_;  ///< reports by element type and message
     SceneDescription scene_;
     int film_width_ = 768, film_height_ = 576;
     std::array<double, 2> crop_middle_{384, 288};  ///< center of the cropped part of the film, in pixels
@@ -176,12 +176,12 @@ private:
     /// Materials of shapes by BSDF, emitter and medium.
     std::map<std::array<const Element*, 3>, int> shape_materials_;
     const Element* camera_medium_ = nullptr;
-    bool hides_emitters_ = false;          ///< known after all top-level elements are read
+    bool hides_emitters_ = false;          ///< known only after all top-level elements are read
     std::vector<int> emissive_materials_;  ///< materials of emissive shapes
     ShapeMedia<Element> media_of_shapes_;
     std::map<Key, int> meshes_;
     std::map<std::string, SerializedFile> serialized_;
-    std::map<std::string, Appended> models_;  ///< by file and options
+    std::map<std::string, Appended> models_;  ///< models by file and options
     std::map<const Element*, std::vector<int>> groups_;
     std::set<const Element*> open_shapes_;  ///< shapes being read; detects cycles
 };

@@ -78,7 +78,7 @@ void Reader::read_root(const Element& element)
 void Reader::read_integrator(const Element& element)
 {
     Object integrator(element, document_);
-    // Integrators such as `aov` or `moment` that wrap another one.
+    // Integrators such as `aov` or `moment` wrap another one.
     if (const std::vector<const Element*> nested = integrator.children("integrator"); !nested.empty()) {
         report(element, "only the nested integrator is used");
         return read_integrator(*nested[0]);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Meshes, groups and instances.
+// Reading of meshes, groups and instances.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -40,7 +40,7 @@ Shape Reader::add_mesh(Mesh mesh)
 void Reader::read_shape(const Element& element, std::vector<int>& roots)
 {
     Object shape(element, document_);
-    if (shape.type() == "shapegroup") return;  // only instances of a group are visible
+    if (shape.type() == "shapegroup") return;  // a group itself is invisible; only its instances are visible
     if (!open_shapes_.insert(&element).second) element.fail("a shape can't contain itself");
     struct Close {
         std::set<const Element*>& open;

@@ -9,7 +9,7 @@ namespace fathom::mitsuba {
 
 /// Direction of the sun.
 struct SunAngles {
-    double elevation, azimuth;  ///< radians; azimuth is clockwise from north
+    double elevation, azimuth;  ///< in radians; azimuth is clockwise from north
 };
 
 /// Direction of the sun from the date and place of a sky emitter, with Mitsuba's defaults: an afternoon in July in

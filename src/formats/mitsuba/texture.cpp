@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Colors, spectra and textures.
+// Reading of colors, spectra and textures.
 #include <fmt/format.h>
 
 #include <algorithm>

@@ -343,7 +343,8 @@ private:
     std::map<std::string, int, std::less<>>& by_name_;
     Warnings& warnings_;
     std::map<std::string, int> images_;
-    float bump_scale_ = 1, value_base_ = 0, value_gain_ = 1;  ///< options of the last map
+    float bump_scale_ = 1, value_base_ = 0,
+          value_gain_ = 1;  ///< scale, offset and gain from the options of the last map
 };
 
 }  // namespace

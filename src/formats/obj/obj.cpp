@@ -360,7 +360,7 @@ private:
 
     ChunkedArray<Vec3f> positions_, normals_;
     ChunkedArray<Vec2f> uvs_;
-    ChunkedArray<Vec4f> colors_;  ///< as written; empty, or one for each position
+    ChunkedArray<Vec4f> colors_;  ///< colors as written in the file; empty, or one for each position
     float max_color_ = 0;
     std::size_t first_color_ = std::size_t(-1);
     std::map<std::string, int, std::less<>> materials_;

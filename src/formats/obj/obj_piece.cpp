@@ -232,9 +232,9 @@ private:
 
     ObjPiece& piece_;
     const std::string& file_;
-    const char* at_;  ///< beginning of the current line
+    const char* at_;  ///< start of the current line
     const char* end_;
-    const char* next_ = nullptr;  ///< behind the line end that is_line_end found
+    const char* next_ = nullptr;  ///< position behind the line end that is_line_end() found
     std::size_t line_;
 };
 

@@ -51,7 +51,7 @@ struct ObjPiece {
         enum Kind { object, material, library, points } kind;
         std::size_t face;  ///< the first face after the line
         ObjCounts counts;
-        std::string_view rest;  ///< rest of the line
+        std::string_view rest;  ///< the rest of the line after its keyword
     };
     std::vector<Event> events;
 

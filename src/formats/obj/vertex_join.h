@@ -11,13 +11,13 @@ namespace fathom {
 /// Resolved indices of a face corner.
 struct ObjVertex {
     static constexpr std::uint32_t none = ~0u;
-    static constexpr std::uint32_t missing = ~0u - 1;  ///< refers to a normal that doesn't exist
+    static constexpr std::uint32_t missing = ~0u - 1;  ///< index of a normal that the file refers to but doesn't define
     std::uint32_t position, uv, normal;
 };
 
 /// A growing mesh: the faces of one object with one material. Faces with and without normals are separate parts.
 struct ObjPart {
-    std::uint32_t number = 0;  ///< number of this part
+    std::uint32_t number = 0;  ///< number of this part in the file
     std::string name;
     int material = -1;
     bool has_normals = false, has_uvs = false, has_colors = false;
@@ -48,7 +48,7 @@ private:
 /// hash table is needed only for positions that are shared by several parts or have many vertices.
 class VertexJoin {
 public:
-    /// Number of the vertex within the part; new vertices are added.
+    /// Returns the number of the vertex within the part; new vertices are added.
     ///
     /// positions  number of positions defined so far
     std::uint32_t operator()(ObjPart& part, ObjVertex v, std::size_t positions)

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Directives of the scene language and their effect on the graphics state.
+// Reading of the directives of the scene language, and their effect on the graphics state.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -391,7 +391,7 @@ void Reader::read_directive(Scanner& scanner)
         state_.active[0] = state_.active[1] = true;
         systems_["world"] = {};
     } else if (word == "WorldEnd") {
-        // Directive of older versions without effect.
+        // This directive of older versions has no effect.
     } else if (word == "Shape") {
         read_shape(*plugin(scanner, "Shape", "shape"));
     } else if (word == "LightSource") {

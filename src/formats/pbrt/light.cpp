@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Lights without a surface.
+// Reading of lights without a surface.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -145,7 +145,7 @@ void Reader::read_projection(const Parameters& of)
     add_light_node(light, state_.ctm[0] * Transform::scale({1, 1, -1}));
 }
 
-/// Sets the power of a light with an image.
+/// Sets the power of a light that has an image.
 void Reader::set_power(const Parameters& of, Light& light)
 {
     const double power = of.number("power", -1);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Materials and participating media; docs/formats.md documents the conversion of each plugin.
+// Conversion of materials and participating media; docs/formats.md describes it for each plugin.
 #include <fmt/format.h>
 
 #include <algorithm>

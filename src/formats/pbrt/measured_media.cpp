@@ -9,7 +9,7 @@ namespace {
 
 // clang-format off
 constexpr MeasuredMedium media[] = {
-    // H. W. Jensen et al., "A Practical Model for Subsurface Light Transport", 2001.
+    // The first values are those of H. W. Jensen et al., "A Practical Model for Subsurface Light Transport", 2001.
     {"Apple", {2.29f, 2.39f, 1.97f}, {0.0030f, 0.0034f, 0.046f}},
     {"Chicken1", {0.15f, 0.21f, 0.38f}, {0.015f, 0.077f, 0.19f}},
     {"Chicken2", {0.19f, 0.25f, 0.32f}, {0.018f, 0.088f, 0.20f}},

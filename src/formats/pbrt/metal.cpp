@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Conductors: reflectance from indices of refraction.
+// Conversion of conductors, whose reflectance follows from indices of refraction.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -101,7 +101,7 @@ void Reader::set_metal_colors(const Parameters& m, const std::string& prefix, fl
         const Conductor plain{"", color_value(m, *eta, true), color_value(m, *k, true)};
         return set_metal(within(plain, outside), out);
     }
-    // Spectra are pairs of wavelength and value, inline or in a file.
+    // A spectrum is given by pairs of wavelength and value, inline or in a file.
     const auto is_spectrum = [&](const Parameter* p) {
         return p && (p->numbers.size() > 1 || (!name(p).empty() && !is_named_spectrum(name(p))));
     };

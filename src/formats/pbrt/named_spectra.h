@@ -32,7 +32,7 @@ GlassIndex glass_of(const std::vector<SpectrumPoint>& points);
 /// Whether a name has the form of pbrt-v4's named spectra rather than of a file name.
 bool is_named_spectrum(const std::string& name);
 
-/// Pairs of wavelength and value. Throws Error.
+/// Pairs of wavelength and value of a spectrum. Throws Error.
 std::vector<SpectrumPoint> spectrum_points(const Parameter& parameter, const std::vector<float>& numbers);
 /// The numbers in a spectrum file. Throws Error.
 std::vector<float> numbers_of_file(const std::string& file, const std::string& text);

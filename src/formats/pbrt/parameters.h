@@ -18,9 +18,9 @@ namespace fathom::pbrt {
 struct Parameter {
     std::string type, name;
     Place place;
-    std::vector<float> numbers;          ///< of all numeric types except integers
-    std::vector<std::int32_t> integers;  ///< also of booleans, as 0 or 1
-    std::vector<std::string> strings;    ///< also names of textures and spectra
+    std::vector<float> numbers;          ///< values of all numeric types except integers
+    std::vector<std::int32_t> integers;  ///< values of integers, and of booleans as 0 or 1
+    std::vector<std::string> strings;    ///< strings, and names of textures and spectra
     mutable bool is_used = false;
 };
 using ParameterList = std::vector<std::shared_ptr<const Parameter>>;
@@ -63,15 +63,15 @@ public:
     int integer(std::string_view name, int otherwise) const;
     bool boolean(std::string_view name, bool otherwise) const;
     std::string text(std::string_view name, std::string_view otherwise) const;
-    /// A point or vector; nothing if it is missing.
+    /// A point or vector; nothing if the parameter is missing.
     std::optional<Vec3d> vector(std::string_view name) const;
-    /// Empty if the parameter is missing.
+    /// An array of numbers; empty if the parameter is missing.
     std::vector<float> numbers(std::string_view name) const;
     std::vector<std::int32_t> integers(std::string_view name) const;
     std::vector<std::string> texts(std::string_view name) const;
     std::vector<Vec3f> vectors(std::string_view name) const;
     std::vector<Vec2f> points2(std::string_view name) const;
-    /// Marks parameters as read that have no effect in Fathom.
+    /// Marks parameters that have no effect in Fathom as read.
     void ignore(std::initializer_list<std::string_view> names) const;
     /// Warns of all parameters that were never read.
     void finish(WarningReporter& reporter) const;

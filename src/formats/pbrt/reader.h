@@ -23,15 +23,16 @@ using Plugin = std::shared_ptr<const Parameters>;
 
 /// The graphics state that directives change and AttributeEnd restores.
 struct State {
-    std::array<Transform, 2> ctm;  ///< at shutter opening and closing
+    std::array<Transform, 2> ctm;  ///< transforms when the shutter opens and closes
     bool active[2] = {true, true};
     Plugin material;  ///< null: the default gray, or the named material
     std::string named_material;
     Plugin area_light;
-    std::string inside, outside;  ///< media
+    std::string inside, outside;  ///< names of the media inside and outside
     bool reverse = false;
     Space space = Space::srgb;
-    std::map<std::string, ParameterList> presets;  ///< by plugin type: "shape", "material", ...
+    std::map<std::string, ParameterList>
+        presets;  ///< parameters of `Attribute` directives by plugin type: "shape", "material", ...
 };
 
 /// A texture with a name.
@@ -39,8 +40,8 @@ struct NamedTexture {
     Plugin plugin;
     bool is_float = false;
     Transform world_from_texture;
-    std::optional<ColorInput> input;  ///< set after the first reference
-    bool is_open = false;             ///< being read; detects cycles
+    std::optional<ColorInput> input;  ///< color or number of the texture, set after the first reference
+    bool is_open = false;             ///< the texture is being read; detects cycles
 };
 
 /// The surface attributes of a shape; equal ones share a material.
@@ -50,7 +51,7 @@ struct Surface {
     const Parameters* medium = nullptr;
     bool is_vacuum_interior = false;  ///< the shape is a cavity in the surrounding medium, and its interior is vacuum
     std::string alpha;
-    float power_factor = 1;  ///< scale of lights whose power is given, from the shape's area
+    float power_factor = 1;  ///< scale of the radiance of lights whose power is given, from the shape's area
     float displacement_edge = 0;
     std::string displacement;
     friend auto operator<=>(const Surface&, const Surface&) = default;
@@ -64,7 +65,7 @@ public:
     SceneDescription read(const std::string& bytes);
 
 private:
-    // directives.cpp: directives
+    // Defined in directives.cpp: directives.
     void read_file(const std::filesystem::path& file, const std::string& bytes);
     void read_directive(Scanner& scanner);
     bool read_transform(Scanner& scanner, std::string_view word);
@@ -82,7 +83,7 @@ private:
     std::filesystem::path locate(const Place& place, const std::string& name);
     SceneDescription finished();
 
-    // view.cpp: camera, film and sampler
+    // Defined in view.cpp: camera, film and sampler.
     void read_camera(const Parameters& camera);
     Camera placed_camera(const Parameters& of, const std::array<double, 4>& window) const;
     void read_spherical(const Parameters& of, Camera& camera);
@@ -97,7 +98,7 @@ private:
     void read_sampler(const Parameters& sampler);
     void read_integrator(const Parameters& integrator);
 
-    // spectra.cpp: colors
+    // Defined in spectra.cpp: colors.
     std::vector<float> spectrum_file(const Parameter& parameter);
     Color color_value(const Parameters& of, const Parameter& parameter, bool of_light);
     Color color_value(const Parameters& of, std::string_view name, Color otherwise, bool of_light);
@@ -110,7 +111,7 @@ private:
     /// An index of refraction without dispersion.
     float ior(const Parameters& of, std::string_view name, float otherwise);
 
-    // texture.cpp
+    // Defined in texture.cpp:
     ColorInput texture(const Parameters& of, std::string_view name, bool is_float);
     ColorInput read_texture(NamedTexture& named);
     ColorInput texture_operand(const Parameters& of, std::string_view name, bool is_float, float otherwise);
@@ -130,7 +131,7 @@ private:
     int image(const Parameters& of);
     int add_texture(Texture texture);
 
-    // material.cpp, metal.cpp
+    // Defined in material.cpp and metal.cpp:
     Material material(const Parameters* plugin);
     Material read_material(const Parameters& m);
     Material diffuse(const Parameters& m);
@@ -155,7 +156,7 @@ private:
     int surface_material(const Surface& surface);
     const Parameters* state_material(const Place& place);
 
-    // shape.cpp, round_shapes.cpp
+    // Defined in shape.cpp and round_shapes.cpp:
     void read_shape(const Parameters& shape);
     std::optional<Shape> geometry(const Parameters& shape, Surface& surface);
     std::optional<Shape> triangle_mesh(const Parameters& shape, const Surface& surface);
@@ -174,7 +175,7 @@ private:
     double area_of(const Shape& shape, const Transform& world) const;
     void place(Node node);
 
-    // light.cpp: lights without a surface
+    // Defined in light.cpp: lights without a surface.
     void read_light(const Parameters& light);
     void read_infinite(const Parameters& light);
     void read_point(const Parameters& of);
@@ -197,7 +198,7 @@ private:
     struct Block {
         State state;
         Place place;
-        char kind;  ///< 'a'ttribute, 't'ransform, 'o'bject
+        char kind;  ///< what the saved state belongs to: 'a'ttribute, 't'ransform, 'o'bject
     };
     std::vector<Block> blocks_;
     bool in_world_ = false;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Spheres, disks and cylinders, including partial ones.
+// Reading of spheres, disks and cylinders, including partial ones.
 #include <fmt/format.h>
 
 #include <algorithm>

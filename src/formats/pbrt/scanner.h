@@ -37,7 +37,7 @@ public:
     Place place() const;
     /// Reads a number; throws Error if the next token is something else.
     double number();
-    /// Reads a number if one follows, directly and without a token.
+    /// Reads a number if one follows; it is faster than next(), since no token is made.
     template <class Number>
     bool try_number(Number& value);
 

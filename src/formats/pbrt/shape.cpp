@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Shapes and their transforms.
+// Reading of shapes and their transforms.
 #include <fmt/format.h>
 
 #include <algorithm>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Textures, which are read when they are referred to.
+// Textures are read when something refers to them.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -35,7 +35,7 @@ bool is_within_unit(Color c)
     return std::min({c.r, c.g, c.b}) >= 0 && std::max({c.r, c.g, c.b}) <= 1;
 }
 
-/// The decoding exponent of an image's encoding; 0 for sRGB, which is no power.
+/// The exponent for decoding an image's encoding; 0 for sRGB, which is not a power.
 double gamma_of(const Parameters& of, const std::string& encoding)
 {
     if (encoding == "sRGB") return 0;
@@ -259,7 +259,7 @@ void Reader::set_mapping(const NamedTexture& named, Texture& texture, bool is_pi
         if (mapping == "cylindrical") {
             texture.uv_scale.y = is_picture ? -1 : 1;
         } else {
-            // pbrt's s is the polar angle and t the azimuth: Fathom's v and u.
+            // In pbrt, s is the polar angle and t the azimuth; these are Fathom's v and u.
             texture.uv_rotation = float(std::numbers::pi / 2);
             texture.uv_scale.x = is_picture ? 1 : -1;
         }

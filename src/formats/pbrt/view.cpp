@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Camera, film, filter, sampler and integrator.
+// Reading of camera, film, filter, sampler and integrator.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -17,7 +17,7 @@ namespace {
 
 constexpr int max_pixels = 1 << 20;
 
-/// The part of the film plane at distance 1 that is visible, before the field of view is applied: left, right, bottom,
+/// The part of the film plane at distance 1 that is visible with a field of view of 90 degrees: left, right, bottom,
 /// top.
 std::array<double, 4> screen(const Parameters& camera, double aspect)
 {
@@ -120,7 +120,7 @@ void Reader::read_sampler(const Parameters& sampler)
                             ? sampler.integer("xsamples", 4) * sampler.integer("ysamples", 4)
                             : sampler.integer("pixelsamples", 16);
     scene_.hints.samples = std::clamp(samples, 1, 1 << 24);
-    // The sample distribution is Fathom's own.
+    // Fathom uses its own sample distribution.
     sampler.ignore({"randomization", "seed", "jitter", "pixelsamples", "xsamples", "ysamples"});
     sampler.finish(reporter_);
 }
@@ -185,7 +185,7 @@ void Reader::read_realistic(const Parameters& of, double aspect, double scale, C
     report(of, "the lens is approximated by a thin lens, with a film diagonal of 35 mm");
     camera.aperture = of.number("aperturediameter", 1) * 1e-3 * scale;
     camera.focus_distance = of.number("focusdistance", 10) * scale;
-    // Lens files are not read; a 50 mm lens is assumed.
+    // Lens files are not supported; a 50 mm lens is assumed.
     const double film_height = 0.035 / std::hypot(1, aspect) * (crop_[3] - crop_[2]) / film_size_[1];
     camera.fov_y = 2 * std::atan(film_height / 2 / 0.050);
     of.ignore({"lensfile", "aperture"});

@@ -8,7 +8,7 @@
 
 namespace fathom {
 
-/// The contents of a PLY file, complete.
+/// The complete contents of a PLY file.
 struct PlyData {
     Mesh mesh;                                ///< a point cloud if it has no faces
     std::vector<float> radii;                 ///< one for each vertex, or empty

@@ -73,8 +73,8 @@ public:
             for (std::size_t i = 0; i < count; ++i) take(size_of(property.type));
     }
 
-    /// Following bytes of a binary body without moving on, for specialized loops: at least `least` if the file has
-    /// them.
+    /// Returns the following bytes of a binary body without moving on, for specialized loops: at least `least` if the
+    /// file has them.
     std::string_view peek(std::size_t least) { return window_.peek(least); }
     /// The next `size` bytes in one contiguous piece. Throws Error at the end of the file.
     const char* take(std::size_t size)

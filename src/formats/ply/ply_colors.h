@@ -20,7 +20,7 @@ struct PlyAttribute {
 
 /// The color channel that a property supplies.
 struct PlyChannel {
-    int index = -1;           ///< 3 is alpha; -1: not part of the color
+    int index = -1;           ///< number of the channel; 3 is alpha, -1 is none
     bool is_encoded = false;  ///< an integer that encodes a display color
 };
 

@@ -14,17 +14,17 @@ class PlyFaces {
 public:
     using Corners = std::vector<std::int64_t>;
 
-    /// file  for messages
+    /// file  name of the file, for messages
     PlyFaces(const std::string& file, PlyData& data) : file_(file), data_(data) {}
 
     /// Adds a polygon.
     ///
-    /// face   its index, for messages
-    /// color  null if it has none
+    /// face   index of the face, for messages
+    /// color  color of the face; null if it has none
     void add_polygon(const Corners& corners, std::size_t face, const Vec4f* color);
     /// Adds a triangle strip; -1 restarts the strip.
     void add_strip(const Corners& corners, std::size_t strip);
-    /// Must be called after the vertices have been read, and at the end of the file.
+    /// Adds buffered faces. Must be called after the vertices have been read, and at the end of the file.
     void flush_waiting_faces();
     bool is_waiting() const { return awaits_vertices_; }
 

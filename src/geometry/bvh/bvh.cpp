@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Public interface of the BVH: plain arrays in, plain arrays out.
+/// Implementation of the BVH's public interface, which takes and returns plain arrays.
 #include "geometry/bvh/bvh.h"
 
 #include <algorithm>
@@ -63,8 +63,8 @@ const BvhStatistics& Bvh::statistics() const
 
 namespace {
 
-// Rejected: sorting incoherent rays by octant, so that they share the upper part of the tree, gained up to 20 % on
-// first bounces and lost as much on third bounces.
+// Sorting incoherent rays by octant, so that they share the upper part of the tree, was tried and rejected: it gained
+// up to 20 % on first bounces and lost as much on third bounces.
 
 /// Times outside the shutter interval are clamped to it, since motion is unknown elsewhere.
 void prepare_times(const GeometryTables& tables, Float time, RayTimes& times, int i)
@@ -92,7 +92,7 @@ void prepare(const RayArrays& rays, std::size_t at, int n, const BvhData& bvh, S
     }
 }
 
-/// Hits of a stream in the form of HitArraysOut.
+/// Stores the hits of a stream in the arrays of a HitArraysOut.
 struct PutHits {
     alignas(64) float t[stream_size], u[stream_size], v[stream_size];
     alignas(64) std::uint32_t primitive[stream_size], instance[stream_size];
@@ -114,7 +114,7 @@ struct PutHits {
     }
 };
 
-/// Packets of fewer coherent rays do not pay.
+/// Packets of fewer coherent rays are slower than single rays.
 constexpr int min_packet = 8;
 
 template <bool any_hit, bool moving>
@@ -139,7 +139,7 @@ void trace_coherent(const BvhData& bvh, RayMask rest, StreamMemory& memory, Stre
     stream.run();
 }
 
-/// Traces the first n rays of the memory.
+/// Traces the first n rays of the stream's memory.
 template <bool any_hit, bool moving>
 void trace(const BvhData& bvh, int n, bool coherent, StreamMemory& memory)
 {
@@ -213,8 +213,8 @@ void trace_streams(const BvhData& bvh, const RayArrays& rays, bool coherent, Bvh
     visits->primitives += memory.visits.primitives;
 }
 
-/// Traces rays, sorted by time if that pays. put_in_order(hits, n, at) is as in trace_streams(); put_one(hits, i, to)
-/// stores hit i as that of ray `to`.
+/// Traces rays, sorted by time if that is faster. put_in_order(hits, n, at) is as in trace_streams(); put_one(hits, i,
+/// to) stores hit i as that of ray `to`.
 template <bool any_hit, class PutInOrder, class Prepare, class PutOne>
 void trace_all(const BvhData& bvh, const RayArrays& rays, bool coherent, BvhVisits* visits,
                const PutInOrder& put_in_order, const Prepare& prepared, const PutOne& put_one)

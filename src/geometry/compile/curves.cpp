@@ -27,7 +27,7 @@ Segment bezier_segment(CurveBasis basis, const Point* p)
 {
     switch (basis) {
         case CurveBasis::bspline:
-            // Boehm 1981, "Generating the Bezier Points of B-Spline Curves and Surfaces".
+            // The conversion is that of Boehm 1981, "Generating the Bezier Points of B-Spline Curves and Surfaces".
             return {(p[0] + p[1] * 4 + p[2]) * (1.0 / 6), (p[1] * 2 + p[2]) * (1.0 / 3), (p[1] + p[2] * 2) * (1.0 / 3),
                     (p[1] + p[2] * 4 + p[3]) * (1.0 / 6)};
         case CurveBasis::catmull_rom:

@@ -6,7 +6,7 @@
 
 namespace fathom {
 
-/// Adds curves to the tables as cubic Bezier segments or lines. Sets the number of straight pieces so that no piece
+/// Adds curves to the tables as cubic Bezier segments or lines. Chooses the number of straight pieces so that no piece
 /// deviates from the curve by more than a fiftieth of its radius. Returns the number of segments.
 ///
 /// factor: scale of lengths by the transform. moves: whether control points move during the shutter interval; then they

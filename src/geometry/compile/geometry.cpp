@@ -84,7 +84,7 @@ public:
     }
 
 private:
-    /// Adds primitives of these kinds: first those in the world, then those of instanced shapes.
+    /// Adds primitives of these kinds: first the shapes in the world, then those of instances.
     template <class... Kinds>
     void add_all(const std::vector<const FlattenedShape*>& rest, const std::vector<const FlattenedShape*>& instanced,
                  const FlattenedScene& all)
@@ -429,7 +429,7 @@ private:
     const Instancing instancing_;
     InstancedGeometry contents_;
     std::size_t degenerate_ = 0, opaque_ = 0;
-    std::set<const void*> solids_, fibers_;  ///< keys are those of shared_geometry
+    std::set<const void*> solids_, fibers_;  ///< geometry keys, as returned by shared_geometry()
     std::vector<std::pair<const FlattenedShape*, std::vector<Rectangle>>> joined_;  ///< shapes whose triangles became
                                                                                     ///< parallelograms
 };
@@ -445,7 +445,7 @@ bool replace_vertices(Compiler& c, const InstancedGeometry& contents, const Mesh
 {
     SceneTables& t = c.tables;
     const auto place = contents.shapes.find(&mesh);
-    if (place == contents.shapes.end() || mesh.indices.empty()) return true;  // no shape shows it
+    if (place == contents.shapes.end() || mesh.indices.empty()) return true;  // no shape refers to the mesh
     const ShapeRecord& shape = t.shapes[place->second];
     const bool moves = shape.moving_vertices > 0, has_normals = shape.flags & ShapeRecord::has_normals;
     if (moves != fathom::moves(mesh, t.shutter_open, t.shutter_close)) return false;

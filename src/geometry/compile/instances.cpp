@@ -89,7 +89,7 @@ private:
     const FlattenedScene& all_;
     const InstancedGeometry& contents_;
     std::size_t opaque_ = 0, vanished_ = 0;
-    std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> shapes_;  ///< by mesh_shape and material
+    std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> shapes_;  ///< indexed by mesh_shape and material
 };
 
 }  // namespace

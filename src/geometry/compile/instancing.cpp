@@ -96,8 +96,8 @@ bool Instancing::is_instanced(const FlattenedShape& p) const
     }
     const void* set = set_of(c_.scene, *p.shape);
     if (!set) return false;
-    // Sets of many curves or points are instanced like meshes. A distorting transform is exact only in a space of their
-    // own.
+    // Sets of many curves or points are instanced like meshes. Under a distorting transform, they are exact only in
+    // their own object space.
     double factor;
     return !is_similarity(p.render_from_node, factor) || uses_.at(set) > 1;
 }

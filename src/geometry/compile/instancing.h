@@ -19,7 +19,8 @@ const void* described_geometry(const SceneDescription& scene, const Shape& shape
 /// The content that several occurrences may share: described_geometry(), or the displaced mesh that replaces it.
 const void* shared_geometry(const Compiler& c, const Shape& shape);
 
-/// Decides which occurrences become instances with a space of their own, and which become primitives of the world.
+/// Decides which occurrences become instances with an object space of their own, and which become primitives of the
+/// world.
 class Instancing {
 public:
     /// The materials of `c.tables` must be compiled.
@@ -41,10 +42,10 @@ private:
 
     const Compiler& c_;
     const FlattenedScene& occurrences_;
-    std::set<const void*> moving_;  ///< meshes and curves that move
+    std::set<const void*> moving_;  ///< meshes and curves whose vertices or control points move
     std::vector<float> vertex_times_;
     std::map<const void*, std::size_t>
-        uses_;  ///< number of occurrences of meshes, curves and points, by shared_geometry
+        uses_;  ///< number of occurrences of meshes, curves and points, by shared_geometry()
 };
 
 }  // namespace fathom

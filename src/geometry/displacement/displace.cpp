@@ -19,7 +19,7 @@ namespace fathom {
 
 namespace {
 
-/// Exponent of the power of two of parts an edge is cut into: at least `parts`, or about that many.
+/// Returns the binary logarithm of the number of parts of an edge: at least `parts`, or about that many.
 std::uint8_t exponent_of(double parts, bool about)
 {
     const double least = about ? parts / std::sqrt(2.0) : parts;
@@ -28,7 +28,8 @@ std::uint8_t exponent_of(double parts, bool about)
     return exponent;
 }
 
-/// Exponents of the parts that each edge is cut into. wanted: receives the number of triangles before any limit.
+/// Returns the binary logarithm of the number of parts of each edge. wanted: receives the number of triangles before
+/// any limit.
 std::vector<std::uint8_t> find_exponents(const Mesh& mesh, const WeldedMesh& welded, const Displacement& by,
                                          double& wanted)
 {
@@ -125,7 +126,7 @@ Mesh refine(const Mesh& mesh, const Subdivision& cut)
 
 /// Angles of triangles at their corners; 0 for degenerate triangles. Means over the corners at a point are weighted by
 /// angle (Thuermer and Wuethrich 1998, "Computing Vertex Normals from Polygonal Facets"), so that they do not depend on
-/// how faces are triangulated.
+/// the triangulation of faces.
 std::vector<double> corner_angles(const Mesh& mesh)
 {
     std::vector<double> angles(mesh.indices.size());

@@ -49,7 +49,7 @@ private:
     static std::vector<Settings> settings_of(const SceneDescription& scene);
     void add(const SceneDescription& scene, const SceneTables& tables, const Shape& shape, Warnings& warnings);
 
-    std::vector<Settings> settings_;  ///< by material
+    std::vector<Settings> settings_;  ///< indexed by material
     std::map<std::pair<const void*, int>, Entry> entries_;
 };
 

@@ -29,7 +29,7 @@ Subdivision::Size Subdivision::size(const Mesh& mesh, const WeldedMesh& welded,
     size.vertices = double(mesh.positions.size());
     for (const WeldedMesh::Side& side : welded.sides()) size.vertices += double((1u << exponents[side.edge]) - 1);
     for (std::size_t t = 0; t < mesh.indices.size() / 3; ++t) {
-        // By Euler's formula, a triangulation has 2 * inner + border - 2 triangles.
+        // Euler's formula: a triangulation has 2 * inner + border - 2 triangles.
         const auto inner = double(inner_vertices(1u << finest(welded, exponents, t)));
         double border = 0;
         for (std::size_t h = 3 * t; h < 3 * t + 3; ++h) border += double(1u << exponents[welded.edge_of(h)]);
@@ -71,9 +71,9 @@ std::uint32_t Subdivision::vertex(std::size_t triangle, std::uint32_t i, std::ui
     return first_inner_[triangle] + (j - 1) * (n - 1) - j * (j - 1) / 2 + i - 1;
 }
 
-/// The vertex nearest to a grid position along an edge of a triangle. Ties go to the vertex that comes first around the
-/// triangle: if both ends of the third edge moved away from each other along the others, its own vertices would be cut
-/// off.
+/// Returns the vertex nearest to a grid position along an edge of a triangle. Ties go to the vertex that comes first
+/// around the triangle: if both ends of the third edge moved away from each other along the others, its own vertices
+/// would be cut off.
 std::uint32_t Subdivision::on_edge(std::size_t triangle, std::uint32_t corner, std::uint32_t place,
                                    std::uint32_t parts) const
 {

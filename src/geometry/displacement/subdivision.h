@@ -41,7 +41,7 @@ public:
     std::uint32_t parts_of_edge(std::size_t edge) const { return 1u << exponents_[edge]; }
     /// The j-th vertex inside a side, from 1 on.
     std::uint32_t vertex_on_side(std::uint32_t side, std::uint32_t j) const { return first_on_side_[side] + j - 1; }
-    /// Grid parts per side of a triangle.
+    /// Number of grid parts per side of a triangle.
     std::uint32_t parts(std::size_t triangle) const { return 1u << finest_[triangle]; }
     /// The grid vertex (i, j): i toward the second corner, j toward the third; i + j <= parts.
     std::uint32_t vertex(std::size_t triangle, std::uint32_t i, std::uint32_t j) const;
@@ -59,7 +59,7 @@ public:
     std::vector<std::uint32_t> triangles() const;
 
 private:
-    /// A range of rows of a triangle's grid: a unit of parallel work.
+    /// A range of rows of a triangle's grid, which is a unit of parallel work.
     struct Rows {
         std::uint32_t triangle, begin, end;
     };
@@ -75,10 +75,10 @@ private:
 
     const Mesh& mesh_;
     const WeldedMesh& welded_;
-    std::vector<std::uint8_t> exponents_;  ///< by edge
-    std::vector<std::uint8_t> finest_;     ///< by triangle: the largest exponent of its edges
+    std::vector<std::uint8_t> exponents_;  ///< indexed by edge
+    std::vector<std::uint8_t> finest_;     ///< indexed by triangle: the largest exponent of its edges
     std::vector<std::uint32_t> first_on_side_;
-    std::vector<std::uint32_t> first_inner_;  ///< by triangle, and the end of the last
+    std::vector<std::uint32_t> first_inner_;  ///< indexed by triangle, with an end marker
     std::vector<Rows> rows_;
 };
 

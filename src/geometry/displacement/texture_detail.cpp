@@ -11,7 +11,7 @@ namespace fathom {
 
 namespace {
 
-/// Parts per checker square, and per noise cell.
+/// Number of parts per checker square, and per noise cell.
 constexpr double parts_of_a_square = 16, parts_of_a_cell = 8;
 
 Transform space_of(const ShadingTables& tables, const TextureRecord& t)

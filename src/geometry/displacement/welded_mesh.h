@@ -51,9 +51,9 @@ private:
     std::vector<std::uint32_t> find_points(const Mesh& mesh);
     void find_edges(const Mesh& mesh, const std::vector<std::uint32_t>& point_of);
 
-    std::vector<std::uint32_t> corners_, first_corner_;  ///< by point, and the end of the last
-    std::vector<std::uint32_t> halves_;                  ///< by edge
-    std::vector<Edge> edges_;                            ///< with an end marker
+    std::vector<std::uint32_t> corners_, first_corner_;  ///< indexed by point, with an end marker
+    std::vector<std::uint32_t> halves_;                  ///< indexed by edge
+    std::vector<Edge> edges_;                            ///< has an end marker
     std::vector<Side> sides_;
     std::vector<std::uint32_t> side_of_half_;
 };

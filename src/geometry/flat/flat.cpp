@@ -61,7 +61,7 @@ bool close(float a, float b, float tolerance)
     return std::fabs(a - b) <= tolerance;
 }
 
-/// Code of the box face that the rectangle covers exactly (2 axis + high), or -1.
+/// Code, 2 axis + high, of the box face that the rectangle covers exactly, or -1.
 int face_of(const Extent& box, const Extent& rectangle, int axis, float tolerance)
 {
     for (int other = 0; other < 3; ++other)
@@ -88,7 +88,7 @@ struct BoxFinder {
         }
     }
 
-    /// The bounding box of two rectangles, with every unused rectangle that covers one of its faces.
+    /// The bounding box of two rectangles, with every unused rectangle that covers a face of the box.
     FlatScene::Box around(std::size_t i, std::size_t j, int& faces) const
     {
         Extent e = extents[i];

@@ -15,8 +15,8 @@ inline namespace FATHOM_LANES {
 
 /// Possible end points of shadow rays, which determine what can never block them.
 struct ShadowTargets {
-    std::vector<Vec3f> places;                ///< points of lights that are not primitives
-    bool infinite = false;                    ///< some shadow rays are infinitely long
+    std::vector<Vec3f> places;                ///< positions of lights that are not primitives
+    bool infinite = false;                    ///< whether some shadow rays are infinitely long
     std::uint32_t only_primitive = no_index;  ///< set if all shadow rays end on this primitive
 };
 
@@ -30,8 +30,7 @@ struct FlatScene {
     struct Box {
         Vec3f lo, hi;
         bool closed = false;
-        /// By face code, 2 axis + high: the primitive there. no_index where the box is open, and as padding for
-        /// lookup().
+        /// Primitive at each face code, 2 axis + high; no_index where the box is open, and as padding for lookup().
         std::uint32_t faces[16];
     };
     /// An oriented box or parallelepiped: its origin, and vectors for which dot(p - origin, along[axis]) is from 0 to 1
@@ -51,7 +50,7 @@ struct FlatScene {
     };
     /// A sphere or disk.
     struct Round {
-        std::uint32_t index, primitive;  ///< index: of a sphere or disk in the tables
+        std::uint32_t index, primitive;  ///< index of a sphere or disk in the tables, and its primitive number
     };
     /// Primitives to test, by kind.
     struct List {
@@ -64,10 +63,10 @@ struct FlatScene {
     };
 
     List all;
-    /// What can block a ray between two points of the scene, or between a point and a light inside it.
+    /// Primitives that can block a ray between two points of the scene, or between a point and a light inside it.
     List occluders;
 
-    /// By face code: the primitive. Each box of `all` has eight codes, then each oriented box; padded for lookup().
+    /// Primitive at each face code: eight codes for each box of `all`, then for each oriented box; padded for lookup().
     std::vector<std::uint32_t> face_primitives;
     /// The primitive with a face code of closest_box(), or no_index for no_face.
     UInt primitive_of_code(UInt code) const
@@ -201,7 +200,7 @@ struct SlabRay {
     t = dot(n, Vec3(quad.corner) - ray.o) / dot(n, ray.d);
     const Vec3 p = fma(ray.d, t, ray.o - Vec3(quad.corner));
     const Float u = dot(p, Vec3(quad.dual_u)), v = dot(p, Vec3(quad.dual_v));
-    // NaN (a ray within the plane) fails every comparison.
+    // NaN, for a ray within the plane, fails every comparison.
     return (t > Float(0)) & (t < t_max) & (abs(u - Float(0.5f)) <= Float(0.5f)) & (abs(v - Float(0.5f)) <= Float(0.5f));
 }
 
@@ -246,7 +245,7 @@ inline void FlatScene::closest_oriented_box(const Ray& ray, Hit& hit) const
     hit.primitive = select(code == UInt(no_face), hit.primitive, primitive_of_code(code));
 }
 
-/// Nearest of `hit` and the hits on everything except axis-aligned boxes.
+/// The nearer of `hit` and the hits on everything except axis-aligned boxes.
 [[gnu::noinline]] inline Hit FlatScene::closest_other(const GeometryTables& tables, Ray ray, Hit hit) const
 {
     if (!all.oriented_boxes.empty()) closest_oriented_box(ray, hit);

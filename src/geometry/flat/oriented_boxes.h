@@ -7,7 +7,7 @@
 namespace fathom {
 inline namespace FATHOM_LANES {
 
-/// Finds parallelepipeds whose faces are quads of the scene: at least four, two of them opposite.
+/// Finds parallelepipeds of which at least four faces, two of them opposite, are quads of the scene.
 ///
 /// used: by quad, whether it belongs to a box already; updated. tolerance: largest distance between corners that count
 /// as equal.

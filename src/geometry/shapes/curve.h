@@ -69,13 +69,13 @@ struct RoundSide {
     {
         const Vec3 whole = piece.b - piece.a, q = o - piece.a;
         const Float length2 = dot(whole, whole);
-        // A piece without length is just a ball.
+        // A piece of length 0 is a sphere.
         inverse = select(length2 > Float(0), Float(1) / sqrt(length2), Float(0));
         const Vec3 e = whole * inverse;
         const Float g = (piece.rb - piece.ra) * inverse;
         m = dot(e, d);
         const Float nearest = (dot(e, q) - m * dot(d, q)) / max(Float(1) - m * m, Float(1e-7f)) * inverse;
-        // Any reference point on the axis will do; the comparison replaces NaN by 0.
+        // Any reference point on the axis is valid; the comparison replaces NaN by 0.
         w0 = select(nearest > Float(0), min(nearest, Float(1)), Float(0));
         const Vec3 c = fma(whole, w0, piece.a);
         const Float r = fma(piece.rb - piece.ra, w0, piece.ra);

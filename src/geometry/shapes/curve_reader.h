@@ -11,17 +11,17 @@ inline CurvePoint<Float> mix(const CurvePoint<Float>& a, const CurvePoint<Float>
     return {mix(a.x, b.x, fraction), mix(a.y, b.y, fraction), mix(a.z, b.z, fraction), mix(a.r, b.r, fraction)};
 }
 
-/// Reads a curve segment per lane from the tables, bitwise equal to what the BVH has of its pieces. Where control
-/// points move, the ends of pieces at two keys are interpolated.
+/// Reads a curve segment per lane from the tables, bitwise equal to the pieces in the BVH. Where control points move,
+/// the ends of pieces at two keys are interpolated.
 class CurveReader {
 public:
-    /// segment: index in tables.curves. shape: its own or the instance's. flags: of that shape.
+    /// segment: index in tables.curves. shape: the shape of the segment or of the instance. flags: flags of that shape.
     CurveReader(const GeometryTables& tables, UInt segment, UInt shape, UInt flags, Float time, Mask m)
         : CurveReader(tables, segment, shape, flags,
                       tables.vertex_times.empty() ? KeyTime{UInt(0u), Float(0)} : vertex_key(tables, time), m)
     {
     }
-    /// time: from vertex_key().
+    /// time: key time, from vertex_key().
     CurveReader(const GeometryTables& tables, UInt segment, UInt shape, UInt flags, const KeyTime& time, Mask m)
         : tables_(tables), linear_((flags & UInt(ShapeRecord::linear_curves)) != UInt(0u))
     {
@@ -77,7 +77,7 @@ private:
         const CurvePoint<Float> line{p[1].x - p[0].x, p[1].y - p[0].y, p[1].z - p[0].z, Float(0)};
         return chosen(linear_, line, bezier_tangent(p, piece * (Float(1) / pieces_)));
     }
-    // Functions of their own interpolate between keys, so that static curves do not pay for it.
+    // Interpolation between keys is in functions of its own, so that static curves stay fast.
     [[gnu::noinline]] void move_begin(Float piece, CurvePoint<Float>& p) const
     {
         CurvePoint<Float> next[4];
@@ -99,7 +99,8 @@ private:
     Mask linear_;
     Float pieces_;
     CurvePoint<Float> p_[4];
-    // Set where control points move: index of the first one at the next key, and the fraction of the way to that key.
+    // Values for moving control points: index of the first one at the next key, and the fraction of the way to that
+    // key.
     bool any_moves_ = false;
     Mask moving_;
     UInt next_;

@@ -41,8 +41,8 @@ struct TriangleRay {
     }
 };
 
-/// a b - c d with a relative error of at most 2^-23, hence with the right sign: Kahan's algorithm; Jeannerod, Louvet,
-/// Muller 2013, "Further analysis of Kahan's algorithm for the accurate computation of 2x2 determinants".
+/// Returns a b - c d with a relative error of at most 2^-23, hence with the right sign: Kahan's algorithm; Jeannerod,
+/// Louvet, Muller 2013, "Further analysis of Kahan's algorithm for the accurate computation of 2x2 determinants".
 template <class F>
 [[gnu::always_inline]] inline F difference_of_products(F a, F b, F c, F d)
 {

@@ -9,7 +9,7 @@ inline namespace FATHOM_LANES {
 /// lie inside the adjacent pieces.
 class SolidPieces {
 public:
-    /// segment: index in tables.curves. number: of the piece in the segment. time: from vertex_key().
+    /// segment: index in tables.curves. number: index of the piece in the segment. time: key time, from vertex_key().
     SolidPieces(const GeometryTables& tables, UInt segment, Float number, const KeyTime& time, Mask m)
         : before_(neighbor(tables, segment, number, time, false, m)),
           behind_(neighbor(tables, segment, number, time, true, m))

@@ -144,7 +144,7 @@ private:
         Vec3 position[3];
         for (int k = 0; k < 3; ++k) position[k] = gather(t_.positions, vertex[k], m);
         KeyTime key{UInt(0u), Float(0)};
-        UInt vertices(0u);  // of a moving mesh
+        UInt vertices(0u);  // number of vertices of a moving mesh; else 0
         if (!t_.vertex_times.empty()) {
             key = vertex_key(t_, hit.time);
             vertices = gather(t_.shapes, &ShapeRecord::moving_vertices, s.shape, m);
@@ -201,7 +201,7 @@ private:
             place.numbers(reinterpret_cast<const float*>(t_.colors.data()), colored, color);
             for (int c = 0; c < 4; ++c) s.at.vertex_color[c] = select(colored, color[c], s.at.vertex_color[c]);
         }
-        // The rounding of the interpolation grows with the weighted mean distance of the corners.
+        // The rounding error of the interpolation grows with the weighted mean distance of the corners.
         const auto spread = [](Float weight) { return weight * (Float(2) - Float(2) * weight); };
         const Vec3 corners = fma(abs(e1), spread(hit.u), abs(e2) * spread(hit.v));
         const Vec3 ng = normalize(n);
@@ -239,7 +239,8 @@ private:
         const Affine to_render = to_object.inverse();
         // Transformed normals are normalized again.
         const auto normal = [&](Vec3 n) { return normalize(to_object.transposed_vector(n)); };
-        // scale: factor on lengths along the normal. Both maps round what they add, to object space and back.
+        // scale: factor on lengths along the normal. Both transforms, to object space and back, round the coordinates
+        // that they add.
         const Vec3 scaled_normal = to_object.transposed_vector(s.ng);
         const Float scale = inverse_sqrt(dot(scaled_normal, scaled_normal));
         const Vec3 p = to_render.point(s.p), ng = scaled_normal * scale;
@@ -256,7 +257,7 @@ private:
         s.bitangent_sign = select(m, flip_sign(s.bitangent_sign, to_object.determinant()), s.bitangent_sign);
     }
 
-    /// way: from the ray's origin to the hit, in the quad's space.
+    /// way: vector from the ray's origin to the hit, in the quad's space.
     void read_quad(const SurfaceHit& hit, const Vec3& way, Mask m, Surface& s) const
     {
         // Other lanes may hold any primitive, even one before the first quad.
@@ -285,7 +286,7 @@ private:
     /// Axes of the nodes of round shapes, which orient their texture coordinates.
     struct NodeAxes {
         Vec3 row[3];
-        bool turned;  ///< false: the axes are those of the current space, bitwise
+        bool turned;  ///< false if the axes are those of the current space, bitwise
 
         Vec3 to_node(Vec3 v) const { return turned ? Vec3(dot(row[0], v), dot(row[1], v), dot(row[2], v)) : v; }
         /// -1 if the node mirrors, else 1.
@@ -385,7 +386,8 @@ private:
         s.bitangent_sign = select(m, flip_sign(axes.handedness(), radius), s.bitangent_sign);
     }
 
-    /// Fraction of the distance to the center of a flat primitive by which points are moved inward, see read_triangle.
+    /// Points of flat primitives are moved towards the center by this fraction of their distance to it; see
+    /// read_triangle().
     static constexpr float inward = 0x1p-21f;
 
     const LaneScene& scene_;

@@ -6,7 +6,7 @@
 namespace fathom {
 inline namespace FATHOM_LANES {
 
-/// Two vectors along the surface, and the change of texture coordinates along each; used for the slopes of textures.
+/// 0 if unknown
 struct SurfaceDerivatives {
     Vec3 way[2];               ///< 0 where unknown
     Float du[2][2], dv[2][2];  ///< change of u and v by vector and texture coordinate set

@@ -6,12 +6,12 @@
 namespace fathom {
 inline namespace FATHOM_LANES {
 
-/// Position in a triangle in each lane: its vertices, and the weights of the second and third.
+/// Position in a triangle in each lane: its vertices, and the weights of the second and third vertex.
 struct TrianglePlace {
     UInt vertex[3];
     Float u, v;
 
-    /// Interpolates an attribute of n numbers per vertex. base: the attribute of vertex 0.
+    /// Interpolates an attribute of n numbers per vertex. base: address of the attribute of vertex 0.
     template <int n>
     void numbers(const float* base, Mask m, Float (&to)[n]) const
     {

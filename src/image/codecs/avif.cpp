@@ -14,14 +14,15 @@ namespace {
 
 using Decoder = std::unique_ptr<avifDecoder, decltype(&avifDecoderDestroy)>;
 
-/// Pixels of four channels, the first in the lowest bits: 8 bits each in 32, or 16 each in 64.
+/// Pixels of four channels, the first in the lowest bits. Texels have 32 bits for channels of 8 bits, and 64 for
+/// channels of 16.
 template <class Texel>
 struct Raster {
     int width, height;
     std::vector<Texel> texels;
 };
 
-/// An image of this size whose pixels are `texel_at(x, y)`.
+/// Returns an image of this size whose pixels are `texel_at(x, y)`.
 template <class Texel, class TexelAt>
 Raster<Texel> remapped_pixels(int width, int height, TexelAt texel_at)
 {
@@ -54,7 +55,7 @@ Raster<Texel> transformed(Raster<Texel> raster, const EncodedImage& file, const 
                                         [&](int x, int y) { return from(raster.width - 1 - y, x); });
     if (image.transformFlags & AVIF_TRANSFORM_IMIR) {
         // The only member is called `mode` or `axis`, depending on the version of libavif; 0 exchanges top and bottom
-        // in all.
+        // in both.
         const auto [sides] = image.imir;
         raster = remapped_pixels<Texel>(raster.width, raster.height, [&](int x, int y) {
             return sides ? from(raster.width - 1 - x, y) : from(x, raster.height - 1 - y);
@@ -111,7 +112,7 @@ void read_into(const Decoder& decoder, const EncodedImage& file)
     check(file, decoder, avif_library().avifDecoderParse(decoder.get()));
     const avifImage& image = *decoder->image;
     const std::uint64_t bytes_while_read =
-        image.depth > 8 ? 32 : 16;  // planes, pixels, and another copy while rotating
+        image.depth > 8 ? 32 : 16;  // planes, pixels, and a second copy of the pixels while rotating
     check_size(file, image.width, image.height, bytes_while_read);
     // The coded stream may claim another size than the header.
     const std::uint64_t memory = std::min(available_memory_bytes(), file.memory_limit);

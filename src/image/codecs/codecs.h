@@ -31,7 +31,7 @@ Image read_exr(const EncodedImage& file);
 Picture read_png(const EncodedImage& file);
 Picture read_jpeg(const EncodedImage& file);
 ByteImage read_webp(const EncodedImage& file);
-/// Whether the file's brand is AVIF: its signature is shared by the whole ISO media family, such as HEIF and MP4.
+/// Whether the file's brand is AVIF; the whole family of ISO media files, such as HEIF and MP4, has the same signature.
 bool is_avif(const EncodedImage& file);
 /// Reads the first image of the file, with its rotation, mirroring and clean aperture applied.
 Picture read_avif(const EncodedImage& file);

@@ -73,8 +73,8 @@ bool is_channel_list(std::string_view bytes)
     return bytes.size() == 1;
 }
 
-/// Layers converted to other primaries. Variances are kept: variances of mixed channels don't follow from those of the
-/// channels.
+/// Layers converted to other primaries. Variance layers are kept, since the variances of mixed channels don't follow
+/// from those of the channels.
 std::vector<Image::Layer> converted_layers(const Image& image, const Chromaticities& primaries)
 {
     const ColorMatrix matrix = conversion(rec709_chromaticities, primaries);

@@ -60,7 +60,7 @@ Image::Layer& layer_named(Image& image, const std::string& name)
     return image.layers.emplace_back(Image::Layer{name, {}, {}});
 }
 
-/// Rank of a layer as the main image, from its name and channels; lower is better.
+/// Rank of a layer as the main image, from its name and channels; lower ranks are better.
 int main_image_rank(const std::string& layer, const std::vector<std::string>& channels)
 {
     constexpr std::string_view usual_names[] = {"beauty", "color", "colour", "combined",
@@ -73,7 +73,7 @@ int main_image_rank(const std::string& layer, const std::vector<std::string>& ch
     return by_channels + by_name;
 }
 
-/// The rank of a part by its best layer, lower is better; nothing where OpenEXR does not read the part as an image.
+/// The rank of a part by its best layer; lower ranks are better. Nothing if OpenEXR does not read the part as an image.
 std::optional<int> part_rank(const Imf::Header& header)
 {
     if (header.hasType() && header.type() != Imf::SCANLINEIMAGE && header.type() != Imf::TILEDIMAGE) return {};

@@ -98,7 +98,7 @@ Picture decode(const EncodedImage& file)
     return read_stb(file);
 }
 
-/// Returns read(); converts every exception to Error.
+/// Returns read() with every exception converted to Error.
 template <class Read>
 auto reading(const std::string& name, Read read)
 {
@@ -158,7 +158,7 @@ void check_output(const fs::path& file, int width, int height)
     const Format format = output_format(file);
     check_format_size(file, format, width, height);
     if (format == Format::avif) avif_library();
-    // Only an attempt shows whether the file can be written: permissions, read-only file systems and quotas all matter.
+    // Only an attempt to write shows whether it is possible: permissions, read-only file systems and quotas all matter.
     OutputFile attempt(file);
 }
 

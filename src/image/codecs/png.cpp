@@ -122,7 +122,8 @@ bool write_rows(Writer& writer, std::vector<unsigned char>& encoded, const Image
     if (setjmp(png_jmpbuf(writer.png))) return false;
     png_set_write_fn(writer.png, &encoded, on_write, on_flush);
     png_set_user_limits(writer.png, 0x7fffffff, 0x7fffffff);
-    // Measured on 800x600 of noise, in ms and MB: level 1 45, 1.4; level 3 45, 1.4; level 6 with all filters 67, 1.4.
+    // Level 3 was chosen by measurements on 800x600 of noise, in ms and MB: level 1 45, 1.4; level 3 45, 1.4; level 6
+    // with all filters 67, 1.4.
     png_set_compression_level(writer.png, 3);
     png_set_filter(writer.png, PNG_FILTER_TYPE_BASE, PNG_FILTER_SUB);
     png_set_IHDR(writer.png, writer.info, png_uint_32(image.width), png_uint_32(image.height), bits,

@@ -7,7 +7,8 @@
 #include "fathom/error.h"
 #include "image/codecs/codecs.h"
 
-// Formats with readers of their own are disabled. stb_image's HDR reader loops forever on some truncated files.
+// Formats that have readers of their own are disabled here. stb_image's HDR reader loops forever on some truncated
+// files.
 #define STBI_NO_HDR
 #define STBI_NO_JPEG
 #define STBI_NO_PNG

@@ -136,7 +136,7 @@ std::shared_ptr<const OcioView> open_view(const OcioChoice& choice, const std::s
     transform->setView(view.c_str());
     transform->setLooksBypass(!choice.look.empty());
     group->appendTransform(transform);
-    // Lossless optimization: the other levels approximate powers.
+    // The optimization must be lossless: the other levels approximate powers.
     const auto processor = config->getProcessor(group)->getOptimizedCPUProcessor(ocio::OPTIMIZATION_LOSSLESS);
     std::string text = fmt::format("{}: display '{}', view '{}'", file, display, view);
     if (!choice.look.empty()) text += fmt::format(", look '{}'", choice.look);

@@ -99,8 +99,8 @@ Vec2f white_chromaticity(double kelvin)
 {
     const double t = kelvin;
     if (t < 4000) {
-        // Planckian locus in u, v of CIE 1960, to 1e-4: M. Krystek, "An algorithm to calculate correlated colour
-        // temperature", 1985.
+        // The Planckian locus in u, v of CIE 1960 is approximated to 1e-4: M. Krystek, "An algorithm to calculate
+        // correlated colour temperature", 1985.
         const double u = (0.860117757 + 1.54118254e-4 * t + 1.28641212e-7 * t * t) /
                          (1 + 8.42420235e-4 * t + 7.08145163e-7 * t * t),
                      v = (0.317398726 + 4.22806245e-5 * t + 4.20481691e-8 * t * t) /

@@ -18,8 +18,8 @@ Chromaticities chromaticities_of(Primaries primaries);
 /// Whether two sets of chromaticities agree up to the rounding that files apply.
 bool is_same(const Chromaticities& a, const Chromaticities& b);
 
-/// Matrix between linear color spaces, with chromatic adaptation of white by Bradford's transform, as in ACES. Throws
-/// Error if primaries are collinear or a white has y = 0.
+/// Matrix from one linear color space to another, with chromatic adaptation of white by Bradford's transform, as in
+/// ACES. Throws Error if primaries are collinear or a white has y = 0.
 using ColorMatrix = std::array<std::array<double, 3>, 3>;
 ColorMatrix conversion(const Chromaticities& from, const Chromaticities& to);
 

@@ -16,8 +16,8 @@ namespace fathom {
 
 namespace {
 
-/// Nearest 8-bit sRGB code of linear light without evaluating a power, exact as the formula; viewers convert every
-/// frame.
+/// Finds the nearest 8-bit sRGB code of linear light without evaluating a power, exactly as by the formula; viewers
+/// convert every frame.
 ///
 /// The upper bits of the float select a bucket; within a bucket at most one threshold to the next code lies.
 class SrgbTable {
@@ -90,7 +90,7 @@ DisplayMap::DisplayMap(const DisplayTransform& display)
 
 Color DisplayMap::exposed(const Color& radiance) const
 {
-    // Tone curves have reached 1 long before this limit; beyond it their squares would overflow.
+    // Tone curves reach 1 long before this limit, beyond which their squares would overflow.
     constexpr float most = 1e6f;
     const auto limited = [&](float x) { return x > 0 ? std::min(x, most) : 0.0f; };
     const Color c = {limited(radiance.r * scale_), limited(radiance.g * scale_), limited(radiance.b * scale_)};
@@ -102,7 +102,7 @@ Color DisplayMap::exposed(const Color& radiance) const
     return {row(0), row(1), row(2)};
 }
 
-/// OpenColorIO's display values, which are encoded already.
+/// OpenColorIO's display values are encoded already.
 Color DisplayMap::display_value(const Color& radiance) const
 {
     const Color c = exposed(radiance);

@@ -62,7 +62,7 @@ std::array<double, 3> looked_up(const CubeFace& square, const Vec3d& d)
 
 LargeVector<float> equirectangular_from_equal_area(const CubeFace& square)
 {
-    constexpr int subpixels = 3;  // along each axis of an output pixel
+    constexpr int subpixels = 3;  // subpixels along each axis of an output pixel
     const int width = equirectangular_width(square), height = square.width;
     LargeVector<float> picture(std::size_t(width) * std::size_t(height) * 4, 1);
     tbb::parallel_for(0, height, [&](int y) {

@@ -41,7 +41,8 @@ template <class Closure>
                                              Float time)
 {
     const Vec3 o = Closure::transmits ? at.start(s.wi) : eye;
-    // On the other side of the surface, the distance to the light differs by the offset of the origin.
+    // If the direction leads to the other side of the surface, the distance to the light differs by the offset of the
+    // origin.
     const Float distance = Closure::transmits ? s.distance + dot(eye - o, s.wi) : s.distance;
     return {o, s.wi, distance * Float(1 - 0x1p-16f), time};
 }

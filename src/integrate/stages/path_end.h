@@ -10,7 +10,7 @@ inline namespace FATHOM_LANES {
 /// Bounces are counted in 15 bits; paths that long are too rare to matter.
 inline constexpr std::uint32_t max_bounces = 0x7ff0;
 
-/// Up to this bounce, paths without loss of throughput always survive: through stacks of glass, roulette would only add
+/// Paths without loss of throughput always survive up to this bounce: through stacks of glass, roulette would only add
 /// noise. Beyond it, 5 % end at each bounce; otherwise paths in a closed white room would never end.
 inline constexpr std::uint32_t sure_bounces = 64;
 

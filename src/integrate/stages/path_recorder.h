@@ -41,7 +41,8 @@ public:
     }
     /// Records the directions in which paths leave vertex number `bounce`, with shading normal n.
     ///
-    /// number: of each path. throughput: after scattering. pdf: density of wi with respect to solid angle.
+    /// number: number of each path. throughput: throughput after scattering. pdf: density of wi with respect to solid
+    /// angle.
     void record_directions(UInt number, UInt bounce, const Vec3& n, const Vec3& wi, Float pdf,
                            const Spectrum& throughput, Mask m)
     {
@@ -66,8 +67,8 @@ public:
     /// Records the radiance of a path that has ended.
     void end_path(const PathPool& paths, std::size_t i)
     {
-        // The last light sample of a path that died while shading is still to be recorded; record_light_samples() did
-        // the others.
+        // record_light_samples() does not see paths that died while shading, so their last light sample is recorded
+        // here.
         if (paths.state[i] & PathPool::dead) note_light(paths, i);
         to_->radiance[paths.number[i]] = mean_of(paths.radiance, i);
     }
@@ -93,7 +94,7 @@ private:
         float position[3];
         std::uint16_t side = 0, bin = GuidingRecord::no_bin;
         float factor = 0;      ///< cosine / (pdf * mean throughput): scales radiance to the record's value
-        float throughput = 0;  ///< of the path on arrival; 0: no such vertex
+        float throughput = 0;  ///< throughput of the path on arrival; 0: no such vertex
         float before = 0;      ///< radiance of the path on arrival
         float lit = 0;         ///< radiance of the path including the light sample of this vertex
     };

@@ -11,7 +11,7 @@ inline namespace FATHOM_LANES {
 /// Random numbers of a gang of paths at a vertex.
 struct VertexRandom {
     SampleKey key;
-    UInt seed;   ///< of the bounce's group of dimensions
+    UInt seed;   ///< seed for the bounce's group of dimensions
     UInt index;  ///< shuffled sample index; light samples and directions share it because they never enter one product
 
     VertexRandom(const SampleKey& sample_key, UInt group)
@@ -29,8 +29,8 @@ struct Scattered {
     Float pdf;
     Float scatter_pdf;  ///< of the closure alone, without guiding
     Mask is_delta;
-    Float eta;               ///< see BsdfSample
-    Mask enters_subsurface;  ///< see BsdfSample
+    Float eta;               ///< relative index of refraction, see BsdfSample
+    Mask enters_subsurface;  ///< lanes that enter the subsurface medium, see BsdfSample
 };
 
 /// One-sample MIS between the closure and the guiding distribution: each direction is weighted by the density of the

@@ -65,8 +65,8 @@ public:
 private:
     /// A gang of paths at a vertex: `lanes` consecutive paths of the pool.
     struct Gang {
-        std::size_t i;  ///< of the first path
-        Mask valid;     ///< lanes with a path
+        std::size_t i;  ///< index of the first path in the pool
+        Mask valid;     ///< lanes that have a path
         UInt state;     ///< PathPool::state on arrival
         UInt bounce;    ///< number of bounces before this one
         VertexRandom random;
@@ -76,7 +76,7 @@ private:
     struct Passage {
         UInt state;
         Mask undeflected{false};
-        Mask no_bounce{false};  ///< lanes of `undeflected` for which passing is no bounce
+        Mask no_bounce{false};  ///< lanes of `undeflected` for which passing does not count as a bounce
     };
 
     /// Whether paths may pass surfaces of this closure as shadow rays do.
@@ -201,8 +201,8 @@ private:
                 scene_.has(Feature::mixtures) ? hits_->material.load(i) : UInt(no_index)};
     }
 
-    /// Throughput of paths before they are scattered: 0 on the back of one-sided surfaces; of the chosen channel on
-    /// dispersive surfaces, whose index of refraction becomes that of the channel.
+    /// Throughput of paths before they are scattered. It is 0 on the back of one-sided surfaces, and that of the chosen
+    /// channel on dispersive surfaces, whose index of refraction becomes that of the channel.
     template <class Closure>
     [[gnu::always_inline]] Spectrum arriving_throughput(const Gang& gang, ShadingPoint<Closure>& at) const
     {
@@ -273,8 +273,8 @@ private:
         PathPool& p = *paths_;
         const std::size_t i = gang.i;
         Float exit_offset = at.exit_offset(next.wi);
-        // Lights are sampled at this vertex with a probability only; dividing by it scales their density in the MIS
-        // weight.
+        // Lights are sampled only with a probability at this vertex; dividing by the probability scales their density
+        // in the MIS weight.
         Float mis_pdf = next.pdf;
         if (has_light_chance_) mis_pdf = mis_pdf / abs(p.nee_probability.load(i));
         if (passes_interfaces<Closure>()) {
@@ -297,11 +297,11 @@ private:
         UInt next_state = (gang.state & UInt(~PathPool::specular)) + UInt(1u);
         next_state = next_state | select(next.is_delta, UInt(PathPool::specular), UInt(PathPool::scattered));
         if (!passes_interfaces<Closure>()) return {next_state};
-        // Mixtures choose between passing and their other constituent, so their surfaces are no interfaces.
+        // A mixture chooses at random between passing and its other constituent, so its surface is not an interface.
         const Mask may_pass = gang.valid & (hit.material == UInt(no_index));
         return pass_interface(gang.i, at, next.wi, may_pass, gang.state, next_state);
     }
-    /// Determines the paths that continue undeflected, as shadow rays do. Those for which that is no bounce keep their
+    /// Determines the paths that continue undeflected, as shadow rays do. If passing is not a bounce, a path keeps its
     /// flags of previous scattering. m: lanes whose material was not chosen by a mixture.
     template <class Closure>
     [[gnu::noinline]] Passage pass_interface(std::size_t i, const ShadingPoint<Closure>& at, const Vec3& wi, Mask m,
@@ -321,7 +321,7 @@ private:
         return {next_state, undeflected, no_bounce};
     }
 
-    /// Throughput set to 0 on the back of one-sided surfaces.
+    /// Throughput, set to 0 on the back of one-sided surfaces.
     template <class Closure>
     Spectrum black_on_back(const ShadingPoint<Closure>& at, const Spectrum& throughput, Mask valid) const
     {
@@ -364,8 +364,8 @@ private:
                                              const ShadingPoint<Closure>& at, const Guidance& guidance,
                                              const Spectrum& throughput, const FirstVertex& first)
     {
-        // Lights are sampled from the origin of the shadow ray. Sampled from the surface itself, a light that passes
-        // through the surface, or a distance that ends behind it, would depend on rounding.
+        // Lights are sampled from the origin of the shadow ray. If they were sampled from the surface itself, a light
+        // that passes through the surface, or a distance that ends behind it, would depend on rounding.
         const Vec3 eye = at.eye();
         const auto& [key, seed, index] = gang.random;
         LightSample s = lights_.sample(m, eye, key, seed, gang.random.light(), gang.time);
@@ -406,8 +406,8 @@ private:
         p.radiance.store(i, p.radiance.load(i) + select(clear, add, Spectrum(Float(0))), m);
     }
 
-    /// Russian roulette for shadow rays: keeps lanes of `lit` by chance and scales up their contributions. brings:
-    /// estimated contribution of the light sample if unoccluded.
+    /// Plays Russian roulette for shadow rays: keeps lanes of `lit` by chance and scales up their contributions.
+    /// brings: estimated contribution of the light sample if unoccluded.
     static void roulette_shadow_ray(const Guidance& guidance, Float brings, const SampleKey& key, UInt seed,
                                     Spectrum& light, Mask& lit)
     {

@@ -24,20 +24,20 @@ struct ShadingPoint {
     MediumStack media, media_beyond;
     MediumStack media_below;  ///< media after entering the subsurface
     Mask skips_interface;     ///< null interface: the path passes undeflected, see SolidBoundary
-    /// Hair: whether the fiber is a flat ribbon, its radius, and the offset of the hit from its axis in units of the
-    /// radius.
+    /// For hair: whether the fiber is a flat ribbon, its radius, and the offset of the hit from its axis in units of
+    /// the radius.
     Mask is_ribbon;
     Float radius, across;
 
     /// Point from which lights are sampled.
     [[gnu::always_inline]] Vec3 eye() const { return fma(ng, offset, p); }
-    /// Distance from the eye at which a ray along wi starts. For ribbons it lies past the axis: a ribbon faces every
-    /// ray, so a ray that starts closer would hit it again. 0 for other surfaces.
+    /// Distance from the eye at which a ray along wi starts. For ribbons the start lies past the axis: a ribbon faces
+    /// every ray, so a ray that starts closer would hit it again. The distance is 0 for other surfaces.
     [[gnu::always_inline]] Float exit_offset(const Vec3& wi) const
     {
         if constexpr (Closure::is_fiber) {
             const Float along = dot(wi, frame.s);
-            // Nearly along the fiber, the distance is limited: a fiber is not straight for that long.
+            // The distance is limited for directions nearly along the fiber, since a fiber is not straight for so long.
             const Float across2 = max(fma(-along, along, Float(1)), Float(1e-3f));
             const Float way = fma(max(-(across * dot(wi, frame.t)), Float(0)) / across2, radius,
                                   radius * Float(0.125f) * inverse_sqrt(across2));
@@ -59,10 +59,11 @@ namespace detail {
 /// Bends the shading normal toward the geometric normal as far as needed for the mirror direction to leave the surface.
 /// wo is on the side of ng.
 ///
-/// In the plane of both normals, at an angle x from ng, with a and b the components of wo across and along ng, the
-/// mirror direction rises by a sin 2x + b cos 2x = r cos(2x - p), where a = r sin p and b = r cos p. It must rise by t,
-/// which is less than the b that x = 0 gives, so that normals which agree stay unchanged: 2x = p + acos(t / r). With t
-/// much below b, rays that are reflected repeatedly inside glass would end up creeping along its surface.
+/// In the plane of both normals, let x be the angle of the shading normal from ng, and a and b the components of wo
+/// across and along ng. The mirror direction rises by a sin 2x + b cos 2x = r cos(2x - p), where a = r sin p and b = r
+/// cos p. It must rise by t, which is less than the rise b at x = 0, so that normals that agree stay unchanged: 2x = p
+/// + acos(t / r). With t much below b, rays that are reflected repeatedly inside glass would end up creeping along its
+/// surface.
 inline Vec3 bend_shading_normal(const Vec3& wo, const Vec3& ng, const Vec3& ns)
 {
     const Float b = dot(wo, ng), cosine = dot(ns, ng);
@@ -79,9 +80,9 @@ inline Vec3 bend_shading_normal(const Vec3& wo, const Vec3& ng, const Vec3& ns)
     return select(below, fma(across, sin_x, ng * cos_x), ns);
 }
 
-/// Lanes where glass must refract about the geometric normal: about ns the light would stay on its side of the surface,
-/// or be reflected totally although it is not about ng. Paths reflected about shading normals could stay trapped
-/// inside, where light that entered through the actual surface would leave.
+/// Lanes where glass must refract about the geometric normal: about ns, the light would stay on its side of the
+/// surface, or be reflected totally although it is not about ng. Paths reflected about shading normals could stay
+/// trapped inside, although light that entered through the actual surface would leave.
 ///
 /// eta: index of refraction beyond the surface over that before it.
 inline Mask refracts_about_ng(const Vec3& wo, const Vec3& ng, const Vec3& ns, Float eta)
@@ -114,7 +115,7 @@ inline void find_media(const MaterialReader& materials, Mask m, ShadingPoint<Clo
     at.material.ior = select(boundary.solid, at.material.ior / boundary.media.other_ior, at.material.ior);
 }
 
-/// Transforms the directions that a material stores into the frame of the shading normal. wo is on the side of ng.
+/// Transforms the directions that a material stores into the frame of the shading normal. wo must be on the side of ng.
 inline void to_shading_frame(const Frame&, const Vec3&, const Vec3&, Float, MaterialPoint&) {}
 inline void to_shading_frame(const Frame& frame, const Vec3&, const Vec3&, Float, DisneyMaterialPoint& material)
 {

@@ -195,7 +195,7 @@ private:
     Column<std::uint32_t> path_, blocked_, seen_;
     // The following members are used in scenes with transmissive shadows.
     MediaColumn media_;
-    Column<std::uint32_t> bounces_;  ///< bounces that a path would need to pass the surfaces so far
+    Column<std::uint32_t> bounces_;  ///< number of bounces that a path would need to pass the surfaces so far
     HitColumns hits_;
 };
 

@@ -7,9 +7,9 @@
 namespace fathom {
 inline namespace FATHOM_LANES {
 
-/// Lets camera rays pass the backs of single-sided surfaces, as backface culling does: one looks into a room through
-/// its wall. Surfaces hidden from cameras are passed from both sides. All other rays see these surfaces, so light
-/// sampling and BSDF sampling agree.
+/// Lets camera rays pass the backs of single-sided surfaces, as backface culling does, so that a room is visible
+/// through its outer wall. Surfaces hidden from cameras are passed from both sides. All other rays hit these surfaces,
+/// so light sampling and BSDF sampling agree.
 class CameraPassThrough {
 public:
     CameraPassThrough(const LaneScene& scene, KernelCounters& counters)

@@ -35,7 +35,7 @@ inline SolidBoundary solid_boundary(const MaterialReader& materials, UInt materi
 struct PassedInterface {
     Mask pane;       ///< thin smooth glass, passed by the light it does not reflect
     Mask open;       ///< boundary of an index-matched medium
-    Mask no_bounce;  ///< passing the pane or boundary is not a bounce
+    Mask no_bounce;  ///< lanes for which passing the pane or boundary is not a bounce
 };
 
 /// Classifies surfaces in the lanes of m, whose material must not have been chosen by a mixture. skips_interface: see

@@ -16,9 +16,9 @@ inline namespace FATHOM_LANES {
 
 /// Medium stage: attenuates path segments in absorbing media, and samples scattering events in scattering ones.
 ///
-/// A path that scatters before its hit is moved to the scattering event and continues in a sampled direction, without
-/// shading: a step of a random walk. Next event estimation runs in open (index-matched) media only: light reaches the
-/// inside of other media only through a refracting surface.
+/// A path that scatters before its hit is moved to the scattering event and continues in a sampled direction without
+/// shading: a step of a random walk. Next event estimation runs only in open (index-matched) media, since light reaches
+/// the inside of other media only through a refracting surface.
 class MediumStage {
 public:
     MediumStage(const LaneScene& scene, const KernelSettings& settings, KernelCounters& counters, StageClock& clock)
@@ -96,7 +96,7 @@ private:
             p.walk_steps.store(i, step, m);
         }
         Mask counts = open;
-        // Scattering counts as a bounce only under a depth limit: otherwise `counts` must not change the image.
+        // Scattering counts as a bounce only if there is a depth limit: otherwise `counts` must not change the image.
         if (settings_.max_depth >= 0)
             counts |= turns & (gather(tables_.media, &MediumRecord::counts, medium, m) != UInt(0u));
         const Spectrum scattered = next;
@@ -132,11 +132,11 @@ private:
 
     /// Scattering events of a gang of paths in a medium.
     struct ScatteringEvents {
-        std::size_t i;  ///< of the gang's first path
+        std::size_t i;  ///< index of the gang's first path
         Vec3 at;
         Float anisotropy;
         SampleKey key;
-        UInt group;          ///< of the light sample's random dimensions
+        UInt group;          ///< group of the light sample's random dimensions
         Spectrum scattered;  ///< throughput after scattering, without the factor of the phase function
     };
     /// Next event estimation at scattering events: queues the shadow rays.
@@ -163,8 +163,8 @@ private:
         return min(distance, max(fma(size, Float(-0x1p-20f), t_hit), t_hit * Float(0.5f)));
     }
 
-    /// Russian roulette in the lanes of m by throughput, without refraction's scaling of radiance. Paths without loss
-    /// always survive: walks are long, and ending 5 % at each step would add more noise than it saves time.
+    /// Plays Russian roulette in the lanes of m by throughput, without refraction's scaling of radiance. Paths without
+    /// loss always survive: walks are long, and ending 5 % at each step would add more noise than it saves time.
     Mask play_roulette(Mask m, const SampleKey& key, UInt seed, UInt bounce, Float eta_scale,
                        Spectrum& throughput) const
     {

@@ -10,7 +10,7 @@
 
 namespace fathom {
 
-/// The shutter interval, in the time by which spheres move.
+/// The shutter interval, in units of time of moving spheres.
 struct Shutter {
     double open, close;
 };
@@ -23,22 +23,23 @@ struct LightBall {
 /// Bounds of a light for the light tree.
 struct LightBounds {
     LightBall ball;
-    Vec3d axis;               ///< axis of its normals, or of a spot's directions; unit; zero: emits in all directions
+    Vec3d axis;  ///< unit axis of its normals, or of a spot's directions; zero if it emits in all directions
     double cos_normals = -1;  ///< cosine of the largest angle between its normals and the axis
     double cos_emission = 0;  ///< cosine of the largest angle between emission and normal
-    double intensity = 0;     ///< maximum over directions
+    double intensity = 0;     ///< maximum over all directions
     bool emits_back = false;  ///< emits to both sides of its normals
 };
 /// Margins of bounds on normals, against rounding of the records and of the kernel's arithmetic.
 constexpr double cosine_slack = 1e-6;
 
-/// A light of the description at its place.
+/// A light of the description with its transform.
 struct PlacedLight {
     const Light& light;
-    const Transform& render_from_node;                      ///< at the time when the shutter opens
-    double render_scale;                                    ///< length of a meter in render space
-    double scene_radius;                                    ///< in render space
-    const std::function<PicturedIntensity()>& add_picture;  ///< adds the light's image to the tables
+    const Transform& render_from_node;  ///< transform at the time when the shutter opens
+    double render_scale;                ///< length of a meter in render space
+    double scene_radius;                ///< radius of the scene in render space
+    const std::function<PicturedIntensity()>&
+        add_picture;  ///< adds the light's image to the tables, and returns its properties
 };
 
 /// 1 - cos without cancellation for small angles.

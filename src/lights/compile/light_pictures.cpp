@@ -18,7 +18,7 @@ namespace fathom {
 namespace {
 
 using std::numbers::pi;
-/// Lanes index floats by 32 bits.
+/// Lanes index floats with 32 bits, which limits the number of texels.
 constexpr std::size_t max_texels = std::size_t(1) << 29;
 /// Limit of the tangent to which a spot's image is stretched; wide cones would need an infinite one.
 constexpr double largest_tangent = 1e4;
@@ -45,10 +45,10 @@ int steps_to_have(const std::vector<double>& angles, double from, double span, i
     return most;
 }
 
-/// PixelSums over an image.
+/// Sums over the pixels of an image, weighted by solid angle.
 struct PixelSums {
     double flux = 0;     ///< sum for the image alone: luminance times solid angle
-    double squares = 0;  ///< sum of squares for the image times the light's intensity
+    double squares = 0;  ///< sum of squares of the image times the light's intensity
     double solid_angle = 0;
 
     void add(double own, double product, double solid)
@@ -59,7 +59,7 @@ struct PixelSums {
     }
 };
 
-/// Luminance of texels: as they are, and multiplied by a light's color.
+/// Luminance of texels, with and without the light's color.
 class Texels {
 public:
     Texels(const Compiler& c, const LightImages::Image& image, const Color& light)
@@ -156,7 +156,7 @@ Tangents frustum(const Light& light, const LightImages::Image& image)
     return {t, t / aspect};
 }
 
-/// A margin against rounding, here and in the kernel.
+/// Adds a margin against rounding, here and in the kernel.
 double widened(double one_minus_cosine)
 {
     return one_minus_cosine * (1 + 1e-4) + 1e-6;
@@ -208,7 +208,7 @@ void add_light_image(Compiler& c, const LightImages::Use& use, int width, int he
 
 void add_light_profile(Compiler& c, const LightImages::Use& use)
 {
-    constexpr int finest = 1440;  // steps of a quarter of a degree over the full circle
+    constexpr int finest = 1440;  // finest step: a quarter of a degree over the full circle
     const ImageFile& file = c.scene.images[std::size_t(use.first)];
     const IesProfile profile =
         file.bytes.empty()

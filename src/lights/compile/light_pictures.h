@@ -14,9 +14,9 @@ struct Compiler;
 /// Decoded images of lights. They outlive compilation of lights: edits compile lights again, but not their images.
 struct LightImages {
     struct Image {
-        std::uint32_t first = 0;  ///< index of the first texel in LightTables::picture_texels
+        std::uint32_t first = 0;  ///< index of the image's first texel in LightTables::picture_texels
         int width = 1, height = 1;
-        bool is_profile = false;                 ///< an IES profile: rows and columns are angles
+        bool is_profile = false;  ///< whether the image is an IES profile, whose rows and columns are angles
         double first_angle = 0, last_angle = 0;  ///< angles of a profile's first and last row, radians
     };
     using Use = std::pair<int, ColorSpace>;
@@ -37,9 +37,9 @@ void add_light_profile(Compiler& c, const LightImages::Use& use);
 /// Properties of a light's image for its record and the light tree.
 struct PicturedIntensity {
     std::uint32_t picture = 0;  ///< index of the record added to LightTables::light_pictures
-    double factor = 1;          ///< multiplies the light's intensity
-    /// Root mean square luminance of intensity times image over the image's directions: a good value for a sampling
-    /// density to be proportional to.
+    double factor = 1;          ///< factor of the light's intensity
+    /// Root mean square luminance of intensity times image over the image's directions, to which sampling densities are
+    /// made proportional.
     double typical = 0;
     double outer = 4;  ///< 1 - cos of the angle from the axis that contains the image; 2 or more: all directions
 };

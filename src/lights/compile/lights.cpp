@@ -88,7 +88,8 @@ private:
         add_primitives(shape, first, index, render_from_object, nullptr);
     }
 
-    /// Adds a light per primitive. path: of the instance, if it moves; to_render: of a static instance.
+    /// Adds a light for each primitive. path: poses of the instance, if it moves; to_render: transform of a static
+    /// instance.
     void add_primitives(ShapeRecord& shape, std::uint32_t first, std::uint32_t instance, const Transform& to_render,
                         const LightMotionBounds* path)
     {
@@ -137,7 +138,7 @@ private:
         return ends;
     }
 
-    /// Records the bounds of a curve segment; returns its mean area as a round curve. to_render: a similarity.
+    /// Records the bounds of a curve segment; returns its mean area as a round curve. to_render must be a similarity.
     double add_curve_extent(std::uint32_t p, const ShapeRecord& shape, const Transform& to_render,
                             const LightMotionBounds* path)
     {
@@ -185,7 +186,7 @@ private:
         NormalCone normals{is_flat ? to_vector(light.get<FlatLightRecord>().normal) : Vec3d{}, 1};
         if (m.vertices > 0) {
             light.motion |= LightRecord::vertices_move;
-            // Normals of instanced lights are transformed by the instance's map, which handles flipped ones.
+            // Normals of instanced lights are transformed by the instance's map, which already handles flipped normals.
             if (m.flipped && light.instance == no_index) light.motion |= LightRecord::flipped;
             ball = bound_moving_triangle(m, normals, area);
         }
@@ -213,7 +214,7 @@ private:
         LightBall ball;
         visit_light(light, [&](const auto& own) { ball = own.ball(shutter); });
         if (!light.is<TriangleLightRecord>()) return ball;
-        // Around the centroid, as bound_moving_triangle() bounds triangles whose vertices move.
+        // The ball is centered at the centroid, as in bound_moving_triangle() for triangles whose vertices move.
         const auto triangle = light.get<TriangleLightRecord>();
         const Vec3d p = to_vector(triangle.corner), u = to_vector(triangle.edge_u), v = to_vector(triangle.edge_v);
         const Vec3d c = p + (u + v) * (1.0 / 3);
@@ -264,8 +265,8 @@ private:
         return {center, radius};
     }
 
-    /// flipped: the normal is opposite to the edges' cross product, after transformation. to_render: a similarity for
-    /// round primitives.
+    /// Makes the record of a primitive's light. flipped: the normal is opposite to the edges' cross product, after
+    /// transformation. to_render: must be a similarity for round primitives.
     LightRecord primitive_light(std::uint32_t p, bool flipped, const Transform& to_render) const
     {
         LightRecord light;
@@ -387,7 +388,8 @@ private:
         t_.moving = true;
     }
 
-    /// Records the bounds of the next light, which poses carry along. radius: of its bounding ball, in node space.
+    /// Records the bounds of the next light, which moves with the poses. radius: radius of its bounding ball, in node
+    /// space.
     void add_extent(const std::vector<PoseRecord>& poses, double radius)
     {
         const LightMotionBounds path(poses);
@@ -421,7 +423,7 @@ private:
         sun.kind = LightKind::directional;
         sun.intensity = {irradiance.r * e.color.r, irradiance.g * e.color.g, irradiance.b * e.color.b};
         sun.angle = Sky::sun_angle;
-        // Rows of the node's frame: its z axis points at the sun.
+        // These are the rows of the node's frame, whose z axis points at the sun.
         const Vec3d z = normalize(e.world_from_environment.vector(e.to_sun));
         const Vec3d x = normalize(cross(std::abs(z.y) < 0.9 ? Vec3d{0, 1, 0} : Vec3d{1, 0, 0}, z)), y = cross(z, x);
         Transform render_from_node;
@@ -451,7 +453,7 @@ private:
         for (std::size_t i = 0; i < powers_.size(); ++i) {
             running += powers_[i];
             t_.light_cdf.push_back(float(running / sum));
-            // The probability that results from the float table, so that pmf and selection agree exactly.
+            // The probability is the difference of two floats of the table, so that pmf and selection agree exactly.
             t_.lights[i].pmf = t_.light_cdf[i + 1] - t_.light_cdf[i];
         }
     }

@@ -19,9 +19,9 @@ struct NormalCone {
 /// hemisphere.
 NormalCone cone_around(const std::vector<Vec3d>& directions);
 
-/// Bounds on the motion of whatever poses carry over the shutter interval, valid at every time. The interval is
-/// sampled; between samples translation and stretch change linearly and the rotation at constant speed, which bounds
-/// the deviation.
+/// Bounds on the motion of points and directions that follow poses over the shutter interval, valid at every time. The
+/// interval is sampled; between samples translation and stretch change linearly and the rotation at constant speed,
+/// which bounds the deviation.
 class LightMotionBounds {
 public:
     explicit LightMotionBounds(std::span<const PoseRecord> poses);
@@ -30,9 +30,9 @@ public:
     bool keeps_shape() const { return keeps_shape_; }
     /// Mean scale factor of areas over the shutter interval, approximately.
     double mean_area_factor() const { return area_factor_; }
-    /// Bounds the positions of a ball that is carried along.
+    /// Bounds the positions of a ball that moves with the poses.
     void set_bounding_ball(Vec3d center, double radius, LightExtent& to) const;
-    /// Bounds the directions of a normal that is carried along.
+    /// Bounds the directions of a normal that moves with the poses.
     NormalCone cone(Vec3d normal) const;
 
 private:

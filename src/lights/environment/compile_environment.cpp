@@ -42,7 +42,7 @@ std::vector<float> cell_luminances(const EnvironmentRecord& t)
     return cells;
 }
 
-/// sine: of the polar angle at the middle of row y, to which the solid angle of its pixels is proportional.
+/// Returns the sine of the polar angle at the middle of row y, to which the solid angle of its pixels is proportional.
 double row_sine(int y, int height)
 {
     return std::sin((y + 0.5) * std::numbers::pi / height);
@@ -147,7 +147,7 @@ void compile_environment(Compiler& c)
     t.mean_luminance = 0;
     t.base_luminance = t.luminance_per_pdf = 0;
     t.environment_from_render = EnvironmentRecord().environment_from_render;
-    // Images are in the tables already. Leftovers of another environment must not affect the scene's fingerprint.
+    // Images are in the tables already; data left from an earlier environment must not affect the scene's fingerprint.
     if (!has_picture) {
         t.texels.clear();
         t.width = t.height = 0;

@@ -33,7 +33,7 @@ inline Vec3 rotate_out(const EnvironmentRecord& e, Vec3 d)
 
 /// A point of an equirectangular image.
 struct ImagePoint {
-    Float u, v;  ///< in [0, 1], v downwards
+    Float u, v;  ///< coordinates in [0, 1]; v grows downwards
 };
 /// The image's center is +x, its top +y; u grows to the right as seen from inside, towards +z.
 inline ImagePoint image_point(Vec3 d)
@@ -57,10 +57,10 @@ inline Spectrum image_radiance(const EnvironmentRecord& e, const ImagePoint& at,
 }
 
 /// Density with respect to solid angle of a direction in a pixel, from the probabilities of its row and of its column
-/// within the row. sine: of the polar angle.
+/// within the row. sine: sine of the polar angle.
 inline Float cell_pdf(const EnvironmentRecord& e, Float row, Float column, Float sine)
 {
-    // Density in (u, v), divided by the Jacobian 2 pi^2 sin(theta) of solid angle.
+    // Converts the density in (u, v) by the Jacobian 2 pi^2 sin(theta) of solid angle.
     return row * column * Float(float(e.width) * float(e.height) * 0.5f * inv_pi * inv_pi) / max(sine, Float(1e-6f));
 }
 
@@ -109,7 +109,7 @@ struct EnvironmentSample {
     Vec3 wi;
     Float inverse_pdf;
     detail::ImagePoint at;
-    Float likely;  ///< approximate luminance, from the density alone
+    Float likely;  ///< approximate luminance, derived from the density alone
 };
 
 /// Radiance of a sampled direction.

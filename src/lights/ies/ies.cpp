@@ -14,7 +14,7 @@ namespace fathom {
 
 namespace {
 
-/// Files hold at most some hundred thousand numbers; larger ones are not IES files.
+/// The size of the file is limited: IES files hold at most some hundred thousand numbers.
 constexpr std::uintmax_t largest_file = std::uintmax_t(64) << 20;
 
 constexpr double largest_candela = 1e18;
@@ -170,16 +170,16 @@ double IesProfile::at(double polar, double azimuth) const
     if (polar < polar_deg.front() || polar > polar_deg.back()) return 0;
     azimuth -= 360 * std::floor(azimuth / 360);
     const double first = azimuth_deg.front(), last = azimuth_deg.back();
-    if (last <= 90 && azimuth > 180) azimuth = 360 - azimuth;  // symmetric about both planes
+    if (last <= 90 && azimuth > 180) azimuth = 360 - azimuth;  // azimuths that are symmetric about both planes
     if (last <= 90 && azimuth > 90) azimuth = 180 - azimuth;
     if (first == 0 && last > 90 && last <= 180 && azimuth > 180)
-        azimuth = 360 - azimuth;       // symmetric about the plane of 0 and 180
-    if (first == 90 && last == 270) {  // symmetric about the plane of 90 and 270
+        azimuth = 360 - azimuth;       // azimuths that are symmetric about the plane of 0 and 180 degrees
+    if (first == 90 && last == 270) {  // azimuths that are symmetric about the plane of 90 and 270 degrees
         if (azimuth < 90) azimuth = 180 - azimuth;
         if (azimuth > 270) azimuth = 540 - azimuth;
     }
     Between h = between(azimuth_deg, azimuth);
-    // The full circle without a repetition of the first angle at 360 degrees.
+    // The file covers the full circle without repeating the first angle at 360 degrees.
     if (last > 180 && last < 360 && azimuth > last && !(first == 90 && last == 270))
         h = {azimuth_deg.size() - 1, 0, (azimuth - last) / (first + 360 - last)};
     const Between v = between(polar_deg, polar);

@@ -10,11 +10,11 @@ namespace fathom {
 /// Luminous intensity of a luminaire by direction, from an IES LM-63 file (1986 to 2019): type C photometry.
 struct IesProfile {
     std::vector<double> polar_deg;    ///< angles from the nadir, ascending, at least two
-    std::vector<double> azimuth_deg;  ///< angles about the vertical, ascending; the rest follows by symmetry
+    std::vector<double> azimuth_deg;  ///< angles about the vertical, ascending; other angles follow by symmetry
     /// Candela for all polar angles of the first azimuth, then of the next; the file's factors are applied.
     std::vector<double> candela;
 
-    /// Bilinear interpolation between the file's angles; 0 outside the polar angles.
+    /// Luminous intensity, interpolated bilinearly between the file's angles; 0 outside the polar angles.
     double at(double polar_deg, double azimuth_deg) const;
 };
 

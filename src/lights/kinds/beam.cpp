@@ -53,8 +53,8 @@ LightBall BeamLightRecord::ball(const Shutter&) const
 }
 void BeamLightRecord::set_emission(LightBounds& to, const LightRecord&, double power) const
 {
-    // Irradiance of a beam doesn't fall off with the squared distance, but importance does. The intensity is that of a
-    // light with equal irradiance at a quarter to half of the scene's radius (512 to 1024 in render space).
+    // Distance at which a beam's irradiance defines its intensity for importance, which falls off with the squared
+    // distance although the beam does not. It is a quarter to half of the scene's radius (512 to 1024 in render space).
     constexpr double typical_distance = 256;
     to.axis = to_vector(axis);
     to.cos_normals = 1;

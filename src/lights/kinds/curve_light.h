@@ -12,7 +12,7 @@ inline namespace FATHOM_LANES {
 /// parts of ribbons beyond a piece's ends are not sampled: BSDF sampling covers them, and pdf() is 0 there.
 class CurveLight {
 public:
-    /// instance: places the curve by a similarity transform; no_index: none
+    /// instance: places the curve by a similarity transform; no_index if there is none
     CurveLight(const GeometryTables& tables, UInt primitive, UInt instance, Float time, Mask m)
         : shape_(gather(tables.shape_of_primitive.data(), primitive, m)),
           flags_(gather(tables.shapes, &ShapeRecord::flags, shape_, m)),
@@ -78,8 +78,8 @@ public:
 private:
     /// A straight piece of the segment, in the space of the curve.
     struct Piece {
-        Vec3 a, b, e;             ///< end points; unit vector from a to b
-        Float ra, rb, length, g;  ///< radii at a and b; g: change of the radius per length, for round pieces
+        Vec3 a, b, e;             ///< end points, and the unit vector from a to b
+        Float ra, rb, length, g;  ///< radii at a and b, and their change per length (g) for round pieces
     };
     Piece piece_at(Float number) const
     {
@@ -95,10 +95,10 @@ private:
 
     /// A point of the piece's axis relative to the eye.
     struct Axis {
-        Vec3 to;       ///< from the eye
-        Vec3 away;     ///< unit, perpendicular to the axis, away from the eye
+        Vec3 to;       ///< vector from the eye to the point
+        Vec3 away;     ///< unit vector perpendicular to the axis, pointing away from the eye
         Float z, rho;  ///< position of the eye relative to this point: along the axis, and distance from the axis
-        Float r;       ///< radius
+        Float r;       ///< radius of the piece
     };
     static Axis axis_at(const Piece& piece, Float w, const Vec3& eye)
     {
@@ -113,8 +113,8 @@ private:
         return x;
     }
 
-    /// A surface point relative to the eye. area: its inverse density in the piece's parameters, times the distance
-    /// cubed.
+    /// A surface point relative to the eye. area: inverse density of the point in the piece's parameters, times the
+    /// distance cubed.
     struct Point {
         Vec3 to;
         Float area;
@@ -127,7 +127,8 @@ private:
         Float limit;    ///< B, the cosine of the largest visible angle
         Float height;   ///< height of the eye above the tangent plane of an angle, divided by (cos - B)
         Float plane;    ///< negated height of the eye above the tangent plane at 90 degrees
-        Mask any, all;  ///< all: the limit is clamped, which bounds the density where the whole circle is visible
+        Mask any, all;  ///< any: some of the circle is visible; all: the limit is clamped, which bounds the density
+                        ///< where the whole circle is visible
         Float k;        ///< cosine of the angle between the normals and the circle's plane
     };
     static Visible visible(const Piece& piece, const Axis& x)
@@ -155,7 +156,7 @@ private:
         const Vec3 n = fma(circle, v.k, piece.e * (-piece.g));
         return {fma(n, x.r, x.to), round_area(piece, x, cosine)};
     }
-    /// cosine: of the angle around the axis from the direction of the eye.
+    /// cosine: cosine of the angle around the axis from the direction of the eye.
     static Float round_area(const Piece& piece, const Axis& x, Float cosine)
     {
         const Visible v = visible(piece, x);

@@ -7,7 +7,7 @@ inline namespace FATHOM_LANES {
 
 namespace detail {
 
-/// Transforms a light that is spanned by two edges. share: its area, in units of that of the parallelogram.
+/// Transforms a light that is spanned by two edges. share: its area relative to that of the parallelogram.
 template <class Record, class Moving>
 void place_edges(Moving& light, const LightPlace& at, Float share, Mask m)
 {
@@ -22,7 +22,7 @@ void place_edges(Moving& light, const LightPlace& at, Float share, Mask m)
 
 }  // namespace detail
 
-/// Parallelogram, sampled uniformly by area.
+/// Parallelogram light, sampled uniformly by area.
 struct ParallelogramLight {
     using Record = ParallelogramLightRecord;
 
@@ -58,7 +58,7 @@ private:
     }
 };
 
-/// Triangle, sampled uniformly by area.
+/// Triangle light, sampled uniformly by area.
 struct TriangleLight {
     using Record = TriangleLightRecord;
 
@@ -97,7 +97,7 @@ private:
     }
 };
 
-/// Disk, sampled uniformly by area.
+/// Disk light, sampled uniformly by area.
 struct DiskLight {
     using Record = DiskLightRecord;
 

@@ -46,7 +46,7 @@ public:
         return s;
     }
 
-    /// Members of the record of a kind. In lanes of other kinds, the values mean nothing.
+    /// Returns a member of the record of a kind. In lanes of other kinds, the value is meaningless.
     template <class Own>
     Float get(float Own::* member) const
     {
@@ -105,7 +105,7 @@ private:
 /// Transform of a moving light from the space of its record to render space, at a shutter time.
 struct LightPlace {
     Affine to_render;
-    Affine to_object;  ///< its inverse; set for instances of primitives only
+    Affine to_object;  ///< inverse of the transform; set for instances of primitives only
     Float time;
 };
 
@@ -113,13 +113,13 @@ struct LightPlace {
 struct LightPoint {
     Vec3 wi;  ///< unit, from the shading point towards the light
     Float distance;
-    Float inverse_pdf;  ///< of wi, with respect to solid angle; 1 for delta lights
+    Float inverse_pdf;  ///< inverse density of wi, with respect to solid angle; 1 for delta lights
     Float cosine;       ///< positive where the light's front faces the shading point
     Float strength;     ///< factor of the light's radiance
     Mask is_delta;      ///< rays can't hit the light: MIS weight 1
 };
 
-/// Normalizes; zero stays zero: a light without a normal emits nothing.
+/// Normalizes a vector. Zero stays zero, since a light without a normal emits nothing.
 inline Vec3 unit_or_zero(const Vec3& v)
 {
     return v * inverse_sqrt(max(dot(v, v), Float(1e-37f)));

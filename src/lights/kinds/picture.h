@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-/// Images that multiply the intensity of lights by direction.
+/// Lookup of the images that multiply the intensity of lights by direction.
 #include "lights/records.h"
 #include "math/elementary.h"
 #include "math/gather_member.h"
@@ -19,7 +19,7 @@ struct PicturePoint {
 
 using PictureRow = RecordRow<LightPictureRecord, 8>;
 
-/// Perspective projection. right, up, along: components of the unit direction.
+/// The image point of a direction by perspective projection. right, up, along: components of the unit direction.
 inline PicturePoint plane_point(const PictureRow& t, Float right, Float up, Float along)
 {
     const Mask ahead = along > Float(0);
@@ -31,22 +31,23 @@ inline PicturePoint plane_point(const PictureRow& t, Float right, Float up, Floa
             fma(v, t.get(&LightPictureRecord::height), Float(-0.5f)), inside};
 }
 
-/// Equal-area square: Clarberg 2008, "Fast Equal-Area Mapping of the (Hemi)Sphere using SIMD".
+/// The image point of a direction in an equal-area square: Clarberg 2008, "Fast Equal-Area Mapping of the (Hemi)Sphere
+/// using SIMD".
 inline PicturePoint equal_area_point(const PictureRow& t, Float right, Float up, Float along)
 {
-    // 1 - |along| without cancellation near the axis.
+    // This is 1 - |along| without cancellation near the axis.
     const Float r = sqrt(fma(right, right, up * up) / (Float(1) + abs(along)));
     const Float turn = r * atan2(abs(up), abs(right)) * Float(2 * inv_pi);
     const Mask behind = along < Float(0);
     const Float u = select(behind, Float(1) - turn, r - turn), v = select(behind, Float(1) - (r - turn), turn);
     const Float half_w = t.get(&LightPictureRecord::width) * Float(0.5f),
                 half_h = t.get(&LightPictureRecord::height) * Float(0.5f);
-    // The image's bottom is down.
+    // Rows grow downwards, so `up` is subtracted.
     return {fma(flip_sign(u, right), half_w, half_w - Float(0.5f)),
             fma(flip_sign(v, -up), half_h, half_h - Float(0.5f)), Mask(true)};
 }
 
-/// Rows by angle from the axis, columns by angle about it.
+/// The image point of a direction if rows are angles from the axis, and columns angles about it.
 inline PicturePoint angles_point(const PictureRow& t, Float right, Float up, Float along)
 {
     const Float polar = atan2(sqrt(fma(right, right, up * up)), along), azimuth = atan2(up, right);

@@ -33,10 +33,10 @@ enum class LightRecordKind : std::uint32_t {
     spot,
     directional,
     environment,
-    curve,     ///< a curve segment: its geometry is in the tables of curves
-    pictured,  ///< a spot whose intensity is multiplied by an image
-    beam,      ///< parallel light from an area
-    tube,      ///< the side of a cylinder
+    curve,     ///< a curve segment, whose geometry is in the tables of curves
+    pictured,  ///< a spot, projector or goniometric light, whose intensity is multiplied by an image
+    beam,      ///< parallel light from a flat area
+    tube,      ///< the side of a cylinder, without ends
 };
 
 struct LightBall;
@@ -46,7 +46,7 @@ struct Shutter;
 
 /// Beginning of the records of flat lights.
 struct FlatLightRecord {
-    float normal[3] = {};  ///< on the side that emits, if only one does
+    float normal[3] = {};  ///< unit normal, on the emitting side if the light is one-sided
     float area = 0;
 
     void set_emission(LightBounds& to, const LightRecord& light, double power) const;
@@ -56,10 +56,10 @@ struct RectangleLightRecord {
     static constexpr LightRecordKind kind = LightRecordKind::rectangle;
     FlatLightRecord flat;
     float corner[3] = {};
-    float u[3] = {}, v[3] = {};  ///< directions of the sides
+    float u[3] = {}, v[3] = {};  ///< unit vectors along the edges
     float length_u = 0, length_v = 0;
     float center[3] = {};
-    float diagonal = 0;  ///< length
+    float diagonal = 0;  ///< length of the diagonal
 
     LightBall ball(const Shutter&) const;
     void set_emission(LightBounds& to, const LightRecord& light, double power) const;
@@ -69,7 +69,7 @@ struct ParallelogramLightRecord {
     static constexpr LightRecordKind kind = LightRecordKind::parallelogram;
     FlatLightRecord flat;
     float corner[3] = {};
-    float edge_u[3] = {}, edge_v[3] = {};  ///< sides from the corner
+    float edge_u[3] = {}, edge_v[3] = {};  ///< edges from the corner
 
     LightBall ball(const Shutter&) const;
     void set_emission(LightBounds& to, const LightRecord& light, double power) const;
@@ -79,7 +79,7 @@ struct TriangleLightRecord {
     static constexpr LightRecordKind kind = LightRecordKind::triangle;
     FlatLightRecord flat;
     float corner[3] = {};
-    float edge_u[3] = {}, edge_v[3] = {};  ///< sides from the corner
+    float edge_u[3] = {}, edge_v[3] = {};  ///< edges from the corner
 
     LightBall ball(const Shutter&) const;
     void set_emission(LightBounds& to, const LightRecord& light, double power) const;
@@ -97,16 +97,16 @@ struct DiskLightRecord {
 
 struct SphereLightRecord {
     static constexpr LightRecordKind kind = LightRecordKind::sphere;
-    float center[3] = {};    ///< at time 0
-    float velocity[3] = {};  ///< per unit of shutter time
-    float radius = 0;        ///< negative: emits inwards
+    float center[3] = {};    ///< center at time 0
+    float velocity[3] = {};  ///< displacement per unit of shutter time
+    float radius = 0;        ///< negative if the sphere emits inwards
     float area = 0;
 
     LightBall ball(const Shutter&) const;
     void set_emission(LightBounds& to, const LightRecord& light, double power) const;
 };
 
-/// Its geometry is in the tables of curves, by LightRecord::primitive and instance.
+/// A curve segment; LightRecord::primitive and instance refer to its geometry in the tables of curves.
 struct CurveLightRecord {
     static constexpr LightRecordKind kind = LightRecordKind::curve;
 
@@ -114,7 +114,7 @@ struct CurveLightRecord {
     void set_emission(LightBounds& to, const LightRecord& light, double power) const;
 };
 
-/// Radiance holds the intensity.
+/// A point light; LightRecord::radiance holds the intensity.
 struct PointLightRecord {
     static constexpr LightRecordKind kind = LightRecordKind::point;
     float position[3] = {};
@@ -128,15 +128,15 @@ struct PointLightRecord {
     void set_emission(LightBounds& to, const LightRecord& light, double power) const;
 };
 
-/// Cone of a spot, which is also the beginning of PicturedLightRecord. Radiance holds the intensity.
+/// The cone of a spot, which is also the beginning of PicturedLightRecord. LightRecord::radiance holds the intensity.
 struct SpotLightRecord {
     static constexpr LightRecordKind kind = LightRecordKind::spot;
     float position[3] = {};
     float axis[3] = {};           ///< direction in which it shines
     float outer = 0;              ///< 1 - cos of the half angle of the outer cone
     float falloff = 0;            ///< width of the falloff inside the outer cone, in units of 1 - cos
-    float is_smooth = 0;          ///< 1: smoothstep falloff; 0: squared
-    float linear_from = 0;        ///< linear falloff: half angle of the outer cone in radians; 0: another falloff
+    float is_smooth = 0;          ///< 1 for smoothstep falloff, 0 for squared
+    float linear_from = 0;        ///< linear falloff: half angle of the outer cone in radians; 0 for other falloffs
     float linear_per_radian = 0;  ///< linear falloff: 1 / (outer angle - inner angle)
 
     static bool is_for(const Light&);
@@ -165,11 +165,11 @@ struct PicturedLightRecord {
     void set_emission(LightBounds& to, const LightRecord& light, double power) const;
 };
 
-/// Radiance holds the radiance of the disk, or the irradiance if one_minus_cos is 0.
+/// A directional light; LightRecord::radiance holds the radiance of the disk, or the irradiance if one_minus_cos is 0.
 struct DirectionalLightRecord {
     static constexpr LightRecordKind kind = LightRecordKind::directional;
     float axis[3] = {};       ///< direction in which it shines
-    float one_minus_cos = 0;  ///< of the half angle of the disk of directions; 0: a delta light
+    float one_minus_cos = 0;  ///< 1 - cos of the half angle of the disk of directions; 0: a delta light
 
     static bool is_for(const Light&);
     static std::optional<double> compile(const PlacedLight&, LightRecord&);
@@ -180,13 +180,15 @@ struct DirectionalLightRecord {
     void set_emission(LightBounds& to, const LightRecord& light, double power) const;
 };
 
-/// Radiance holds the irradiance at perpendicular incidence.
+/// A beam; LightRecord::radiance holds the irradiance at perpendicular incidence.
 struct BeamLightRecord {
     static constexpr LightRecordKind kind = LightRecordKind::beam;
     float center[3] = {};
-    float half_u[3] = {}, half_v[3] = {};  ///< from the center to the sides, or conjugate half-axes of an ellipse
-    float axis[3] = {};                    ///< direction in which it shines: along the normal of the area
-    float is_round = 0;                    ///< 1: an ellipse; 0: a parallelogram
+    float half_u[3] = {},
+          half_v[3] =
+              {};        ///< vectors from the center to the middles of the sides, or conjugate half-axes of an ellipse
+    float axis[3] = {};  ///< direction in which it shines: along the normal of the area
+    float is_round = 0;  ///< 1 for an ellipse, 0 for a parallelogram
     float area = 0;
 
     static bool is_for(const Light&);
@@ -198,11 +200,11 @@ struct BeamLightRecord {
     void set_emission(LightBounds& to, const LightRecord& light, double power) const;
 };
 
-/// Radiance holds the radiance of the outside of a cylinder without ends.
+/// A cylinder without ends that emits outwards; LightRecord::radiance holds its radiance.
 struct TubeLightRecord {
     static constexpr LightRecordKind kind = LightRecordKind::tube;
     float center[3] = {};
-    float half_axis[3] = {};  ///< from the center to an end
+    float half_axis[3] = {};  ///< vector from the center to an end
     float radius = 0;
 
     static bool is_for(const Light&);
@@ -214,7 +216,7 @@ struct TubeLightRecord {
     void set_emission(LightBounds& to, const LightRecord& light, double power) const;
 };
 
-/// A list of records of kinds.
+/// A list of the record types of light kinds.
 template <class... Own>
 struct LightRecordList {
     /// Calls f.template operator()<Own>() for each record.

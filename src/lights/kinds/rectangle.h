@@ -41,7 +41,7 @@ template <class Light>
 
 }  // namespace detail
 
-/// Rectangle, sampled by solid angle where it is close, else by area.
+/// Rectangle light, sampled by solid angle if it is close, else by area.
 struct RectangleLight {
     using Record = RectangleLightRecord;
 
@@ -51,7 +51,7 @@ struct RectangleLight {
     {
         const Vec3 n = light.get(&FlatLightRecord::normal);
         const Vec3 corner = light.get(&Record::corner) - p;
-        // Points behind a one-sided light need no good sample.
+        // Points behind a one-sided light receive nothing, so any sample is good enough there.
         const Mask large =
             active & is_rectangle_close(light, p) & (light.has(LightRecord::two_sided) | (dot(corner, n) < Float(0)));
         if (any(large)) return detail::sample_large_rectangle(light, corner, random, large);

@@ -11,7 +11,7 @@ inline Float one_minus_cos_of(Float sin2)
     return sin2 / (Float(1) + sqrt(max(Float(1) - sin2, Float(0))));
 }
 
-/// Sphere, sampled by the solid angle of the cone that it subtends; uniformly over all directions from inside.
+/// Sphere light, sampled by the solid angle of the cone that it subtends; from inside, uniformly over all directions.
 struct SphereLight {
     using Record = SphereLightRecord;
 
@@ -27,7 +27,7 @@ struct SphereLight {
         const Float b = dot(to_center, wi);
         const Vec3 foot = to_center - wi * b;
         const Float root = sqrt(max(fma(r, r, -dot(foot, foot)), Float(0)));
-        // The normal points outwards for a positive radius, so that seen from outside it faces the shading point.
+        // The normal points outwards if the radius is positive, so that seen from outside it faces the shading point.
         const Float side = select(outside, Float(1), Float(-1));
         return {
             wi,         select(outside, b - root, b + root), Float(2 * pi) * spread, flip_sign(side, radius), Float(1),

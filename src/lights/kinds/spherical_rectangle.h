@@ -3,7 +3,7 @@
 /// Samples a rectangle uniformly by the solid angle that it subtends: Urena, Fajardo, King 2013, "An Area-Preserving
 /// Parametrization for Spherical Rectangles".
 ///
-/// Where the paper adds four arc cosines, this multiplies complex numbers whose arguments are the angles. The product
+/// The paper adds four arc cosines; this code multiplies complex numbers whose arguments are the angles. The product
 /// needs one arc tangent: fewer operations, and less cancellation for small solid angles.
 #include "math/elementary.h"
 #include "math/vec3.h"
@@ -16,12 +16,12 @@ inline namespace FATHOM_LANES {
 struct SphericalRectangle {
     Float x0, x1, y0, y1, z0;
     Float solid_angle;
-    Float b0, b1;        ///< z of the unit normals of the planes through the point and the edges y0 and y1
+    Float b0, b1;        ///< z components of the unit normals of the planes through the point and the edges y0 and y1
     Float c0;            ///< 1 - b0^2
-    Float cos_k, sin_k;  ///< k = 2 pi - g2 - g3 of the paper
+    Float cos_k, sin_k;  ///< cosine and sine of k = 2 pi - g2 - g3 of the paper
 
-    /// corner: of the rectangle, relative to the point. u, v, n: unit axes of the rectangle. length_u, length_v: its
-    /// lengths along u and v.
+    /// corner: corner of the rectangle, relative to the point. u, v, n: unit axes of the rectangle. length_u, length_v:
+    /// its lengths along u and v.
     [[gnu::always_inline]] SphericalRectangle(Vec3 corner, Vec3 u, Vec3 v, Vec3 n, Float length_u, Float length_v)
     {
         x0 = dot(corner, u);
@@ -30,8 +30,9 @@ struct SphericalRectangle {
         x1 = x0 + length_u;
         y1 = y0 + length_v;
         const Float z2 = z0 * z0, x02 = x0 * x0, x12 = x1 * x1, y02 = y0 * y0, y12 = y1 * y1;
-        // Inner angles g of the spherical quadrilateral as complex numbers. In the paper cos g = -n_i n_j with z of the
-        // edge normals. Multiplied out, the sine is |z0| times the distance of the corner, without cancellation.
+        // Inner angles g of the spherical quadrilateral as complex numbers. In the paper cos g = -n_i n_j, with z
+        // components of the edge normals. Multiplied out, the sine is |z0| times the distance of the corner, without
+        // cancellation.
         const Complex g0{x1 * y0, -z0 * sqrt(x12 + y02 + z2)}, g1{-(x1 * y1), -z0 * sqrt(x12 + y12 + z2)};
         const Complex g2{x0 * y1, -z0 * sqrt(x02 + y12 + z2)}, g3{-(x0 * y0), -z0 * sqrt(x02 + y02 + z2)};
         Complex g23 = g2 * g3;
@@ -50,7 +51,7 @@ struct SphericalRectangle {
     }
 
     struct Point {
-        Float x, y;  ///< in the rectangle's axes, relative to the projection of the eye
+        Float x, y;  ///< coordinates in the rectangle's axes, relative to the projection of the eye
     };
     [[gnu::always_inline]] Point sample(Sample2 random) const
     {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Lights that shine from a point: point lights, spots, and lights with an image.
+/// Compilation of lights that shine from a point: point lights, spots, and lights with an image.
 #include <algorithm>
 #include <numbers>
 
@@ -18,7 +18,7 @@ void set_falloff(SpotLightRecord& spot, const Light& light)
     spot.outer = float(outer);
     spot.falloff = float(outer - one_minus_cos(std::min(light.inner_angle, light.outer_angle)));
     if (light.kind != LightKind::spot) return;
-    // Equal angles leave no falloff range, and no angle to divide by.
+    // Equal inner and outer angles leave no falloff range, and the divisor would be 0.
     const double way = light.outer_angle - light.inner_angle;
     if (light.falloff == SpotFalloff::smooth) spot.is_smooth = 1;
     if (light.falloff == SpotFalloff::linear && way > 1e-6 * light.outer_angle)
@@ -136,7 +136,7 @@ LightBall PicturedLightRecord::ball(const Shutter& shutter) const
 void PicturedLightRecord::set_emission(LightBounds& to, const LightRecord& light, double power) const
 {
     spot.set_emission(to, light, power);
-    // The image may cover all directions.
+    // An image may cover all directions.
     if (spot.outer >= 2) to.axis = {}, to.cos_normals = -1, to.cos_emission = 0;
 }
 

@@ -24,7 +24,7 @@ std::optional<double> TubeLightRecord::compile(const PlacedLight& at, LightRecor
     tube.set_axes(at.light, at.render_from_node);
     const double area = 2 * pi * double(tube.radius) * 2 * length(to_vector(tube.half_axis));
     if (!(area > 0)) return {};
-    // Radiance from flux, which refers to areas in world units.
+    // Converts the flux, which refers to areas in world units, to radiance.
     const double factor = at.render_scale * at.render_scale / (pi * area);
     if (at.light.intensity_is_flux)
         for (float& r : light.radiance) r = float(double(r) * factor);

@@ -22,7 +22,7 @@ struct TubeLight {
         const Axis axis = axis_from(light, p);
         const Float radius = light.get(&Record::radius);
         const Mask outside = axis.distance > radius;
-        // No light arrives inside; a distance outside keeps numbers finite.
+        // No light arrives inside the cylinder; a distance outside keeps numbers finite there.
         const Float rho = select(outside, axis.distance, Float(2) * radius), tangent2 = (rho - radius) * (rho + radius);
         const Float limit = atan2(radius, sqrt(tangent2)), angle = fma(random.x, Float(2), Float(-1)) * limit;
         const SinCos turn = sincos_2pi(angle * Float(0.5f * inv_pi));
@@ -91,11 +91,11 @@ private:
 
     /// The axis as seen from a point.
     struct Axis {
-        Vec3 e;       ///< unit, along the axis, on the side where the center is ahead
-        Vec3 x;       ///< unit, from the point towards the axis, across it
+        Vec3 e;       ///< unit vector along the axis, towards the half that contains the center
+        Vec3 x;       ///< unit vector from the point towards the axis, perpendicular to it
         Float along;  ///< position of the center along e, not negative
         Float half_length;
-        Float distance;  ///< of the point from the axis
+        Float distance;  ///< distance of the point from the axis
     };
     template <class Light>
     static Axis axis_from(const Light& light, const Vec3& p)
@@ -127,11 +127,11 @@ private:
             const Float h2 = h * h, d0 = sqrt(fma(z0, z0, h2)), d1 = sqrt(fma(z1, z1, h2));
             const Mask ahead = z0 > Float(0);
             first = select(ahead, h2 / (d0 * (d0 + z0)), Float(1) - z0 / d0);
-            // z1 / d1 - z0 / d0 has cancellation if both are positive.
+            // This avoids the cancellation of z1 / d1 - z0 / d0 if both terms are positive.
             const Float difference = h2 * Float(4) * along * half_length / (d0 * d1 * fma(z1, d0, z0 * d1));
             size = select(ahead, difference, z1 / d1 - z0 / d0);
         }
-        /// Position along the line.
+        /// Returns the sampled position along the line.
         Float sample(Float random) const
         {
             const Float c = fma(random, -size, first), cosine2 = c * (Float(2) - c);

@@ -39,8 +39,8 @@ public:
 
     /// Samples a point of the only light, or of a selected one; the density includes the probability of selection.
     ///
-    /// key, seed  of the bounce, for the selection
-    /// random     for the point
+    /// key, seed  random numbers of the bounce, for the selection
+    /// random     random numbers for the point
     [[gnu::always_inline]] LightSample sample(Mask valid, Vec3 eye, const SampleKey& key, UInt seed, Sample2 random,
                                               Float time) const
     {
@@ -54,7 +54,7 @@ public:
     }
 
     /// Environment radiance of rays that leave the scene along d, with its MIS weight, for the lanes of m. specular:
-    /// lanes with weight 1; pdf: density of having sampled d.
+    /// lanes with weight 1; pdf: density with which d was sampled.
     Spectrum environment(const KernelBackground& background, bool lights_are_sampled, Vec3 d, Mask from_camera,
                          Mask specular, Float pdf, Mask m) const
     {
@@ -76,7 +76,7 @@ public:
         return mis_weight(pdf, density(light, o, time, d, distance, m));
     }
 
-    /// emission_weight for lights given by index, which may move or be curves. u: of the hit.
+    /// emission_weight() for lights given by index, which may move or be curves. u: curve parameter of the hit.
     Float emission_weight_of(UInt light, const Vec3& o, Float time, const Vec3& d, Float distance, Float u, Float pdf,
                              Mask m) const
     {
@@ -244,7 +244,7 @@ private:
         return c.u;
     }
 
-    /// Curve parameters of sampled points on curves.
+    /// Curve parameters of sampled points on curve lights.
     struct AlongCurves {
         Float u;
         Mask m;
@@ -302,7 +302,7 @@ private:
     const MaterialReader materials_;
     const LightSelector selector_;
     const bool leaves_environment_;
-    bool is_alone_;  ///< there is one light, of constant radiance
+    bool is_alone_;  ///< whether there is only one light, of constant radiance
 };
 
 }  // namespace FATHOM_LANES

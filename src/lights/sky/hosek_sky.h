@@ -9,10 +9,10 @@ namespace fathom {
 /// is 0.
 class HosekSky {
 public:
-    static constexpr int coefficients = 10;  ///< nine of the formula, and its factor, the mean radiance
+    static constexpr int coefficients = 10;  ///< nine coefficients of the formula, and its factor, the mean radiance
 
     /// turbidity      1 to 10: 2 is clear, 6 hazy; clamped to that range
-    /// ground_albedo  0 to 1, of the ground, whose reflected light the air scatters
+    /// ground_albedo  0 to 1; albedo of the ground, whose reflected light the air scatters
     HosekSky(const Vec3d& to_sun, double turbidity, double ground_albedo);
 
     /// Radiance in W/m^2/sr/nm without the sun; d: unit vector.

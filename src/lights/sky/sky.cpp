@@ -13,12 +13,12 @@ namespace fathom {
 
 namespace {
 
-constexpr double earth_radius = 6360, air_height = 60;  // km
-constexpr double molecule_scale = 8, haze_scale = 1.2;  // scale heights in km: density falls to 1/e
+constexpr double earth_radius = 6360, air_height = 60;  // radius of the earth and height of the atmosphere in km
+constexpr double molecule_scale = 8, haze_scale = 1.2;  // scale heights in km, over which densities fall to 1/e
 constexpr double haze_anisotropy = 0.8, haze_albedo = 0.9, ground_albedo = 0.2;
 
 constexpr int bands = 34;
-constexpr double band_width = 10, first_band = 385;  // nm; centers of the bands
+constexpr double band_width = 10, first_band = 385;  // width of the bands and center of the first one, in nm
 
 /// Solar irradiance above the atmosphere, W/m^2/nm: ASTM G-173, averaged over bands.
 constexpr std::array<double, bands> solar = {
@@ -34,7 +34,7 @@ constexpr std::array<double, bands> ozone_section = {
     4.266e-25, 4.672e-25, 4.398e-25, 4.701e-25, 5.019e-25, 4.305e-25, 3.740e-25, 3.215e-25, 2.662e-25,
     2.238e-25, 1.852e-25, 1.473e-25, 1.209e-25, 9.423e-26, 7.455e-26, 6.566e-26};
 
-/// Extinction coefficients per km: of molecules and haze at ground level, of ozone at its densest.
+/// Extinction coefficients per km: of molecules and haze at ground level, and of ozone at its densest.
 struct Coefficients {
     double molecules, haze, ozone;
 };
@@ -44,9 +44,9 @@ Coefficients coefficients_at(double wavelength)
     const double um = wavelength / 1000;
     const double index = std::clamp((wavelength - first_band) / band_width, 0.0, double(bands - 1));
     const double section = ozone_section[std::size_t(std::lround(index))];
-    // Column of 300 Dobson units in the 15 km wide profile below.
+    // Peak density of ozone, for a column of 300 Dobson units in the profile of 15 km effective width below.
     constexpr double densest = 300 * 2.687e20 / 15000;
-    // Haze: optical depth 0.1 at 550 nm, Angstrom exponent 1.3.
+    // Haze has an optical depth of 0.1 at 550 nm and an Angstrom exponent of 1.3.
     return {1.24062e-3 * std::pow(um, -4), 0.1 / haze_scale * std::pow(um / 0.55, -1.3), densest * section * 1000};
 }
 
@@ -63,12 +63,12 @@ Vec3d matching(double wavelength)
             1.217 * lobe(437.0, 11.8, 36.0) + 0.681 * lobe(459.0, 26.0, 13.8)};
 }
 
-/// A value per band.
+/// A value for each band.
 using Spectrum = std::array<double, bands>;
 
 struct BandTable {
-    Spectrum molecules, haze, ozone;   ///< as in Coefficients
-    std::array<Vec3d, bands> weights;  ///< Rec.709 weight of the fraction of sunlight that is left in the band
+    Spectrum molecules, haze, ozone;   ///< extinction coefficients, as in Coefficients
+    std::array<Vec3d, bands> weights;  ///< Rec.709 color per transmittance of sunlight, for each band
 };
 
 Vec3d rec709_from_xyz(const Vec3d& c)
@@ -104,7 +104,7 @@ const BandTable& band_table()
 /// unlike std::exp.
 double exp_negative(double x)
 {
-    constexpr double magic = 0x1.8p52;  // adding it rounds to an integer, held in the lowest bits
+    constexpr double magic = 0x1.8p52;  // adding this number rounds to an integer, held in the lowest bits
     const double octaves = std::max(x, -700.0) * std::numbers::log2e, shifted = octaves + magic;
     const double r = (octaves - (shifted - magic)) * std::numbers::ln2;
     double e = 1.0 / 362880;
@@ -113,13 +113,13 @@ double exp_negative(double x)
     return e * std::bit_cast<double>((exponent + 1023) << 52);
 }
 
-/// Transmittance per band.
+/// Transmittance for each band.
 Spectrum transmittances(const Sky::OpticalDepths& depths)
 {
     const BandTable& t = band_table();
     Spectrum left;
     for (std::size_t i = 0; i < bands; ++i)
-        // Haze scatters a part of the light that it removes; extinction counts all of it.
+        // Haze scatters only a part of the light that it removes; extinction counts all of it.
         left[i] =
             exp_negative(-(t.molecules[i] * depths.molecules + t.haze[i] * depths.haze + t.ozone[i] * depths.ozone));
     return left;
@@ -143,7 +143,7 @@ struct Densities {
 
 Densities densities_at(double height)
 {
-    // Ozone: rises linearly from 10 km to its maximum at 25 km, and falls to 0 at 40 km.
+    // The density of ozone rises linearly from 10 km to its maximum at 25 km, and falls to 0 at 40 km.
     return {std::exp(-height / molecule_scale), std::exp(-height / haze_scale),
             std::max(0.0, 1 - std::abs(height - 25) / 15)};
 }
@@ -167,7 +167,7 @@ bool intersects_ground(double height, double cosine)
     return cosine < 0 && r * r * (1 - cosine * cosine) < earth_radius * earth_radius;
 }
 
-// Table of optical depths: by height and zenith cosine, both with finer steps where depths change faster.
+// Size of the table of optical depths by height and zenith cosine, both with finer steps where depths change faster.
 constexpr int table_heights = 48, table_cosines = 192;
 
 double table_height(double i)
@@ -181,8 +181,8 @@ double table_cosine(double j)
     return t * std::abs(t);
 }
 
-// Table of multiple scattering: by height, and by the sun's elevation at the points of the visible atmosphere, whose
-// far end is 8 degrees around the earth.
+// Size of the table of multiple scattering by height and by the sun's elevation at the points of the visible
+// atmosphere, whose far end is 8 degrees around the earth.
 constexpr int multiple_heights = 12, multiple_elevations = 10;
 constexpr double elevations_around = 9 * std::numbers::pi / 180;
 
@@ -196,7 +196,7 @@ Spectrum scattering(const Densities& here)
     return sent;
 }
 
-/// Steps along a ray, shorter near its origin: calls f(distance to the step's middle, its length).
+/// Divides a ray into steps that are shorter near its origin, and calls f(distance to the step's middle, its length).
 template <class F>
 void along(double way, int steps, F f)
 {
@@ -235,14 +235,14 @@ Sky::Sky(const Vec3d& to_sun) : to_sun_(normalize(to_sun))
         table_[std::size_t(place)] = depths_to_space(table_height(height), table_cosine(cosine));
     });
     make_multiple();
-    // Irradiance of the ground: direct sunlight, and the sky integrated over the upper hemisphere.
+    // Irradiance of the ground is that by direct sunlight, plus the sky integrated over the upper hemisphere.
     const Color sun = sun_irradiance(to_sun_);
     const double facing = std::max(0.0, to_sun_.y);
     Vec3d sum = Vec3d{double(sun.r), double(sun.g), double(sun.b)} * facing;
     constexpr int rows = 16, columns = 32;
     for (int i = 0; i < rows; ++i)
         for (int j = 0; j < columns; ++j) {
-            // Strata of equal projected solid angle.
+            // The strata have equal projected solid angle.
             const double sine = std::sqrt((i + 0.5) / rows), phi = 2 * std::numbers::pi * (j + 0.5) / columns;
             const Color c =
                 scattered({sine * std::cos(phi), std::sqrt(1 - sine * sine), sine * std::sin(phi)}, Scattering::all);
@@ -274,7 +274,7 @@ Color Sky::sun_irradiance(const Vec3d& to_sun)
 }
 
 /// Adds the contribution of one direction (x towards the sun, y up): isotropic second-order radiance, and the fraction
-/// of ambient light that further scattering sends here.
+/// of ambient light that further scattering adds at this point.
 void Sky::add_second_order(double height, const Vec3d& sun, double x, double y, Orders& sum) const
 {
     constexpr int steps = 20;
@@ -352,8 +352,8 @@ Color Sky::scattered(const Vec3d& d, Scattering times) const
 {
     const double cosine = dot(d, to_sun_), g = haze_anisotropy;
     const double of_molecules = 3 / (16 * std::numbers::pi) * (1 + cosine * cosine);
-    // W. Cornette, J. Shanks 1992, "Physically Reasonable Analytic Expression for the Single-Scattering Phase
-    // Function".
+    // The phase function is that of W. Cornette, J. Shanks 1992, "Physically Reasonable Analytic Expression for the
+    // Single-Scattering Phase Function".
     const double of_haze = 3 / (8 * std::numbers::pi) * (1 - g * g) * (1 + cosine * cosine) /
                            ((2 + g * g) * std::pow(1 + g * g - 2 * g * cosine, 1.5));
     const double sun_elevation = std::asin(std::clamp(to_sun_.y, -1.0, 1.0));

@@ -13,16 +13,16 @@ namespace fathom {
 /// data of E. Bruneton 2017, "A Qualitative and Quantitative Evaluation of 8 Clear Sky Models". Below the horizon is
 /// gray ground in that light.
 ///
-/// Unit of radiance: that of a white surface that faces the sun above the atmosphere.
+/// The unit of radiance is the radiance of a white surface that faces the sun above the atmosphere.
 class Sky {
 public:
-    static constexpr double sun_angle = 0.00935;  ///< diameter, radians
+    static constexpr double sun_angle = 0.00935;  ///< angular diameter of the sun in radians
 
     explicit Sky(const Vec3d& to_sun);
 
     /// Radiance without the sun; d: unit vector.
     Color radiance(const Vec3d& d) const;
-    /// Its single-scattering part, above the horizon.
+    /// The single-scattering part of radiance(), above the horizon.
     Color scattered_once(const Vec3d& d) const;
     /// Irradiance of a surface that faces the sun, by direct sunlight; 0 if the sun is below the horizon.
     static Color sun_irradiance(const Vec3d& to_sun);
@@ -49,7 +49,7 @@ private:
     /// Scattering orders to include: only the first, or all.
     enum class Scattering { once, all };
     Color scattered(const Vec3d& d, Scattering times) const;
-    /// Radiance of second order, and the fraction that further orders add, per band.
+    /// Radiance of second order, and the fraction that further orders add, for each band.
     struct Orders {
         std::vector<double> second, further;
     };

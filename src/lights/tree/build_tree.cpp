@@ -55,7 +55,7 @@ struct Box {
     }
 };
 
-/// Sums over a set of lights by which splits are evaluated.
+/// Sums over a set of lights, for the evaluation of splits.
 struct Sums {
     Box box;
     Vec3d axis;
@@ -136,14 +136,14 @@ public:
     }
 
 private:
-    /// A range of items that becomes a child.
+    /// A range of items that becomes a child of a node.
     struct Range {
         std::uint32_t begin, end;
         double cost;
         std::uint32_t size() const { return end - begin; }
     };
     static constexpr int bins = 12;
-    /// From this level of the tree on, sets are halved by count, which bounds its depth for any input.
+    /// From this level of the tree on, sets are halved by count, which bounds the depth of the tree for any input.
     static constexpr int deepest_judged = 12;
 
     /// Large sets are evaluated by a subset of at most this many items.
@@ -243,7 +243,7 @@ private:
         Box centers;
         for (const Item& item : items(r)) centers.add(item.ball.center);
         const Split best = best_split(items(r), centers);
-        if (best.cost == infinite) return (r.begin + r.end) / 2;  // all centers coincide
+        if (best.cost == infinite) return (r.begin + r.end) / 2;  // all centers coincide, so the range is halved
         const auto middle = std::partition(items(r).begin(), items(r).end(), [&](const Item& item) {
             return bin_of(item, centers, best.axis) <= best.bin;
         });
@@ -268,7 +268,7 @@ private:
                 const auto b = std::size_t(bin_of(items[i], centers, axis));
                 bin[b].add(items[i]), used[b] = true;
             }
-            std::array<double, bins> after{};  // cost of the items behind each bin
+            std::array<double, bins> after{};  // cost of the items in all bins after each bin
             Sums sums;
             for (std::size_t b = bins - 1; b > 0; --b) sums.add(bin[b]), after[b - 1] = sums.cost();
             sums = {};
@@ -320,7 +320,7 @@ private:
             back |= item.emits_back;
             cos_emission = std::min(cos_emission, item.cos_emission);
         }
-        // Axes of two-sided lights may be flipped: to the side of the first item's axis.
+        // Axes of two-sided lights may be reversed; they are turned to the side of the first item's axis.
         const auto turned = [&](const Item& item, const Vec3d& to) {
             return item.emits_back && dot(item.axis, to) < 0 ? -item.axis : item.axis;
         };

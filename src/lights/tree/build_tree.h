@@ -18,9 +18,9 @@ struct LightExtent {
 
 /// Builds the light tree over the first t.positioned_lights lights, and sets each light's tree_place.
 ///
-/// powers       of the lights, positive
+/// powers       powers of the lights, positive
 /// open, close  times between which spheres move
-/// extents      bounds of lights that move otherwise, or whose records don't contain their position
+/// extents      bounds of lights that move in other ways, or whose records don't contain their position
 void build_light_tree(LightTables& t, const std::vector<double>& powers, double open, double close,
                       const std::vector<LightExtent>& extents = {});
 

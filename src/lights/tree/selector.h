@@ -22,11 +22,11 @@ public:
     {
     }
 
-    /// A light, and its selection probability.
+    /// The index of a light, and its selection probability.
     using Choice = LightTree::Choice;
 
     /// Selects a light for a path vertex at p by a number u in [0, 1), for the lanes of m. With many lights the bits of
-    /// u don't suffice; `noise`, in [0, 1) too, provides more.
+    /// u don't suffice; `noise`, also in [0, 1), provides more.
     Choice select(Vec3 p, Float u, Float noise, Mask m) const
     {
         if (!has_tree_) return select_anywhere(u);

@@ -5,7 +5,7 @@
 /// Conty Estevez and Kulla 2018, "Importance Sampling of Many Lights with Adaptive Tree Splitting": a hierarchy of
 /// bounds on position, normals and intensity. Traversal selects a child by a bound on its contribution until it reaches
 /// a light. Here nodes have up to 16 children, and importances are rounded to integer weights, whose sum has the same
-/// bits in any order. Whatever may reach the point has a weight of at least 1, so that no contributing light has
+/// bits in any order. Children that may reach the point have a weight of at least 1, so that no contributing light has
 /// probability 0.
 #include <algorithm>
 #include <bit>
@@ -27,7 +27,7 @@ template <class F>
 struct LightBounds {
     F x, y, z, radius, axis_x, axis_y, axis_z, cos_normals, sin_normals, cos_emission, back, intensity;
 
-    /// read(column) loads a column of the node.
+    /// Loads bounds; read(column) loads a column of the node.
     template <class Read>
     [[gnu::always_inline]] static LightBounds of(const LightNode& n, Read&& read)
     {
@@ -43,29 +43,29 @@ inline constexpr float narrow_normals = 1.f / 256;
 /// A bound on contribution, and whether any light can reach the point at all.
 template <class F, class M>
 struct Importance {
-    F value;  ///< at least 0
+    F value;  ///< not negative
     M reaches;
 };
 
 /// Simplifications that the bounds allow.
 struct BoundsHints {
     bool wide_emission;   ///< emission covers the hemisphere above each normal
-    bool narrow_normals;  ///< in addition, all normals are within narrow_normals of the axis
+    bool narrow_normals;  ///< additionally, all normals are within narrow_normals of the axis
 };
 
 /// Upper bound on the contribution of lights within the bounds to a point: section 4 of the paper, without the
 /// receiver's cosine.
 ///
-/// Lengths along normals replace angles, which saves all but one square root and one division: of the cone of normals
-/// the one closest to the point's direction is taken, as seen from the ball's center, and lights are at most the ball's
-/// radius below the plane through the center. For narrow emission this bound is too loose: there the angle that the
-/// ball subtends is taken into account.
+/// Lengths along normals replace angles, which saves all but one square root and one division. The normal of the cone
+/// that is closest to the point's direction is used, as seen from the ball's center; lights are at most the ball's
+/// radius below the plane through the center. For narrow emission this bound is too loose, so the angle that the ball
+/// subtends is taken into account.
 template <class M, class F>
 [[gnu::always_inline]] inline Importance<F, M> importance(const LightBounds<F>& b, F px, F py, F pz, BoundsHints hints)
 {
     const F x = px - b.x, y = py - b.y, z = pz - b.z;
     const F distance2 = fma(x, x, fma(y, y, z * z)), radius2 = b.radius * b.radius;
-    // Inside the ball the distance is its radius.
+    // For points inside the ball, the radius is used as the distance.
     const F distance = sqrt(max(distance2, radius2)), inverse = F(1.f) / distance;
     const F axial = fma(x, b.axis_x, fma(y, b.axis_y, z * b.axis_z)), along = max(axial, axial * b.back);
     const F across = hints.narrow_normals ? distance : sqrt(max(fma(-along, along, distance2), F(0.f)));
@@ -83,7 +83,7 @@ template <class M, class F>
     return {b.intensity * max(cosine, F(0.f)) * inverse * inverse, reaches};
 }
 
-/// Rounds an importance to an integer weight; at least 1 for lights that reach the point.
+/// Rounds an importance to an integer weight, which is at least 1 for lights that reach the point.
 template <class U, class F, class M>
 [[gnu::always_inline]] inline U light_weight(const Importance<F, M>& i, F scale)
 {
@@ -103,7 +103,7 @@ class LightWeights {
 public:
     static constexpr int parts = LightNode::width / native::lanes;
 
-    LightWeights() {}  // uninitialized: arrays of weights are created and then assigned
+    LightWeights() {}  // values are uninitialized: arrays of weights are created first and assigned later
     explicit LightWeights(const native::UInt (&weights)[parts])
     {
         std::uint32_t before = sums_[LightNode::width - 1] = 0;
@@ -133,7 +133,7 @@ private:
     std::uint32_t* up_to(int lanes) { return sums_ + LightNode::width + lanes * native::lanes; }
     const std::uint32_t* up_to(int lanes) const { return sums_ + LightNode::width + lanes * native::lanes; }
 
-    /// Alignment lets lanes be stored, and read back as scalars without a stall.
+    /// The alignment lets vectors be stored and then read back as scalars without a stall.
     alignas(64) std::uint32_t sums_[2 * LightNode::width];
 };
 
@@ -154,7 +154,7 @@ inline LightWeights light_weights(const LightNode& n, const float (&p)[3])
     for (int i = 0; i < parts; ++i) weight[i] = light_weight<native::UInt>(seen[i], scale);
     const LightWeights w(weight);
     if (w.total() > 0) return w;
-    // No light reaches the point: children become equally likely, so that select always returns a light.
+    // If no light reaches the point, children become equally likely, so that select() always returns a light.
     for (int i = 0; i < parts; ++i) {
         const native::UInt slot = native::iota() + native::UInt(std::uint32_t(i * native::lanes));
         weight[i] = native::select(native::less(slot, native::UInt(n.count)), native::UInt(1u), native::UInt(0u));
@@ -174,7 +174,7 @@ public:
 
     explicit LightTree(const LightTables& tables) : tables_(tables) {}
 
-    /// Selects a light for a vertex at p by a number u in [0, 1) of 24 bits; `noise`, in [0, 1) too, provides further
+    /// Selects a light for a vertex at p by a number u in [0, 1) of 24 bits; `noise`, also in [0, 1), provides further
     /// bits.
     [[gnu::noinline]] Choice select(Vec3 p, Float u, Float noise, Mask m) const
     {
@@ -284,8 +284,8 @@ private:
         double of[lanes];
     };
 
-    /// Rescaled u and noise after the root's child is selected. They have 48 bits in all: 24 would not suffice for many
-    /// lights.
+    /// Returns u and noise rescaled after the root's child is selected. They have 48 bits in all, since 24 would not
+    /// suffice for many lights.
     static Numbers below_root(const RootWeights& w, UInt slot, Float u, Float noise)
     {
         float high[lanes], low[lanes];
@@ -326,7 +326,7 @@ private:
     }
 
     struct Climb {
-        UInt slot;     ///< child of the root above the position
+        UInt slot;     ///< child of the root that contains the position
         Float chance;  ///< probability of the position, given that child
     };
 

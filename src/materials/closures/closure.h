@@ -34,7 +34,7 @@
 namespace fathom {
 inline namespace FATHOM_LANES {
 
-/// BSDF times abs cosine of wi, and the solid angle density with which sample returns wi.
+/// BSDF times abs cosine of wi, and the density with respect to solid angle with which sample() returns wi.
 struct BsdfEval {
     Spectrum f_cos;
     Float pdf;
@@ -45,23 +45,24 @@ struct BsdfSample {
     Spectrum weight;
     Float pdf;
     Mask is_delta;
-    Float eta;  ///< index beyond the boundary over index before it where the path was refracted, else 1
-    Mask enters_subsurface = Mask(false);  ///< entered the subsurface medium; treated as a delta lobe, since lights are
-                                           ///< not sampled for it
+    Float eta;  ///< refraction: index beyond the boundary over index before it; 1 for reflection
+    Mask enters_subsurface = Mask(false);  ///< lanes that entered the subsurface medium; treated as a delta lobe, since
+                                           ///< lights are not sampled for it
 };
 
-/// Parameters of LayeredBsdf beyond those of MaterialPoint, textures applied: see LayersRecord, and Material in the
-/// scene description.
+/// Parameters of LayeredBsdf beyond those of MaterialPoint, with textures applied: see LayersRecord, and Material in
+/// the scene description.
 struct LayersPoint {
     std::uint32_t features = 0;  ///< LayersRecord::Features that any lane has; parameters of other features need not be
                                  ///< set
-    Float specular{1}, compensation{1};  ///< compensation for multiple scattering: 1 or 0
+    Float specular{1}, compensation{1};  ///< compensation: 1 to compensate for multiple scattering, else 0
     Spectrum specular_color{Float(1)}, edge_color{Float(1)};
-    Spectrum conductor_eta, conductor_k{Float(0)};  ///< metal has this index where k > 0, else the reflectance given by
-                                                    ///< colors
+    Spectrum conductor_eta,
+        conductor_k{Float(
+            0)};  ///< index of refraction of the metal in lanes with k > 0; in other lanes colors give the reflectance
     Float anisotropy{0};
-    Mask two_roughnesses{false};  ///< anisotropy holds the roughness along the tangent
-    Vec3 tangent;  ///< of the anisotropy; in scene space while the material is read, later in the shading frame
+    Mask two_roughnesses{false};  ///< lanes in which anisotropy holds the roughness along the tangent
+    Vec3 tangent;  ///< tangent of the anisotropy; in scene space while the material is read, later in the shading frame
     Float diffuse_roughness{0};
     Float transmission{0}, diffuse_transmission{0};
     Mask diffuse_transmission_added{false};
@@ -69,14 +70,14 @@ struct LayersPoint {
     Float dispersion{0};
     Float coat{0}, coat_roughness{0}, coat_f0, coat_inner, coat_darkening;
     Spectrum coat_color;
-    Vec3 coat_normal;  ///< in the spaces of `tangent`
+    Vec3 coat_normal;  ///< normal of the coat, in the same space as `tangent`
     Spectrum sheen_color;
     Float sheen_roughness;
     Mask sheen_reciprocal{false};
     Float thin_film{0}, thin_film_thickness, thin_film_ior;
     Float subsurface{0};
-    Spectrum subsurface_color, subsurface_radius;  ///< subsurface_radius: per channel, in units of render space
-    Mask in_subsurface = Mask(false);              ///< the path leaves the subsurface medium from within
+    Spectrum subsurface_color, subsurface_radius;  ///< subsurface_radius: per channel, in render space
+    Mask in_subsurface = Mask(false);              ///< lanes whose path leaves the subsurface medium from within
 
     bool has(LayersRecord::Features feature) const { return (features & feature) != 0; }
 };
@@ -84,7 +85,7 @@ struct LayersPoint {
 /// Parameters of DisneyBsdf beyond those of MaterialPoint: see DisneyRecord.
 struct DisneyPoint {
     Float anisotropy, flatness, specular_tint, sheen, sheen_tint, coat, coat_gloss, transmission, diffuse_transmission;
-    Vec3 tangent;  ///< in the spaces of LayersPoint::tangent
+    Vec3 tangent;  ///< tangent of the anisotropy, in the same space as LayersPoint::tangent
 };
 
 /// Location and size of one table of a measured surface: see MeasuredTableRecord.
@@ -97,24 +98,24 @@ struct MeasuredPoint {
     UInt theta, theta_count, phi, phi_count, symmetry;
     Mask color_is_per_facet;
     MeasuredTablePoint ndf, sigma, vndf, luminance, color;
-    bool has_phis = true;  ///< some lane's tables depend on phi
-    Vec3 tangent;          ///< in the spaces of LayersPoint::tangent; 0 for isotropic surfaces
-    Float facing;          ///< negative where the path is behind the geometric normal
+    bool has_phis = true;  ///< whether some lane's tables depend on phi
+    Vec3 tangent;          ///< in the same space as LayersPoint::tangent; 0 for isotropic surfaces
+    Float facing;          ///< negative if the path is behind the geometric normal
 };
 
-/// Parameters of a surface's material that all closures have, textures applied.
+/// Parameters of a surface's material that all closures have, with textures applied.
 struct MaterialPoint {
     Spectrum base_color;
-    Mask entering;  ///< the path arrives on the side of the geometric normal
-    Mask thin;      ///< a surface without thickness
+    Mask entering;  ///< lanes whose path arrives on the side of the geometric normal
+    Mask thin;      ///< lanes whose surface has no thickness
 };
 
 /// Parameters of a closure with microfacets.
 struct FacetsPoint : MaterialPoint {
     Float roughness;
-    Mask beckmann{false};   ///< Beckmann microfacets instead of GGX
-    Mask separable{false};  ///< separable shadowing and masking, G1(wo) G1(wi)
-    Mask compensated;       ///< energy compensation for multiple scattering between microfacets
+    Mask beckmann{false};   ///< lanes with Beckmann microfacets instead of GGX
+    Mask separable{false};  ///< lanes with separable shadowing and masking, G1(wo) G1(wi)
+    Mask compensated;       ///< lanes with energy compensation for multiple scattering between microfacets
 
     template <class Record>
     void read_facets(const ParameterReader<Record>& r)
@@ -184,7 +185,7 @@ inline Float sampled_roughness(const FacetsPoint& m)
     return m.roughness * select(m.beckmann, Float(sqrt_ggx_of_beckmann), Float(1));
 }
 
-/// Whether a closure takes parameters from a table of their own.
+/// Whether a closure takes parameters from the table of layers or from one of its own.
 template <class Closure>
 inline constexpr bool is_layered = std::is_same_v<typename Closure::Point, LayeredMaterialPoint>;
 template <class Closure>

@@ -15,7 +15,7 @@
 namespace fathom {
 inline namespace FATHOM_LANES {
 
-/// Whether a closure is small in code: no record in a table of its own, and not for fibers.
+/// Whether a closure has little code: no record in a table of its own, and no support of fibers.
 template <class Closure>
 inline constexpr bool is_small =
     !is_layered<Closure> && !is_disney<Closure> && !is_measured<Closure> && !Closure::is_fiber;

@@ -110,7 +110,7 @@ private:
                 Mask(true)};
     }
     /// Fresnel reflectance of the dielectric boundary (returned), and the colored reflectance of the whole specular
-    /// lobe (`all`), which mixes dielectric, tinted and metal.
+    /// lobe (`all`), which mixes dielectric, tinted and metallic reflection.
     Float reflectance(Float cosine, Spectrum& all) const
     {
         Float cos_t;
@@ -126,8 +126,8 @@ private:
         }
         return dielectric;
     }
-    /// Probabilities in proportion to approximate albedos. The specular lobe has a minimum: it is narrow, and what it
-    /// reflects may be bright.
+    /// Selection probabilities in proportion to approximate albedos. The specular lobe has a minimum, because it is
+    /// narrow and may reflect bright light.
     Chances chances(const Vec3& wo) const
     {
         Spectrum reflected;
@@ -148,8 +148,8 @@ private:
         c.diffuse = max(Float(1) - c.reflected - c.coat - c.refracted - c.beyond, Float(0));
         return c;
     }
-    /// Direction through the surface. wo: in the shading frame, o: in the frame of the facets; h: sampled normal,
-    /// shading frame. total: set in lanes of total internal reflection.
+    /// Samples a direction through the surface. wo: in the shading frame; o: in the frame of the facets; h: sampled
+    /// normal, in the shading frame. total: receives the lanes of total internal reflection.
     Vec3 sample_through(const Vec3& wo, const Vec3& o, const Vec3& h, Sample2 u, Mask refracted, Mask& total) const
     {
         const Float cosine = clamp(dot(wo, h), Float(0), Float(1));
@@ -239,7 +239,7 @@ private:
         r.pdf = fma(c.refracted, select(valid, normals * sampled, Float(0)), c.beyond * cosine);
         return r;
     }
-    /// f of the facets that transmit: a thin surface has its own roughness for them.
+    /// Returns f of the facets that transmit, which have a roughness of their own on thin surfaces.
     template <class F>
     Float of_facets(F f) const
     {

@@ -5,7 +5,7 @@
 namespace fathom {
 inline namespace FATHOM_LANES {
 
-/// Parameters of FuzzMetalBsdf, textures applied: see FuzzMetalRecord.
+/// Parameters of FuzzMetalBsdf, with textures applied: see FuzzMetalRecord.
 struct FuzzMetalPoint : MaterialPoint {
     using Record = FuzzMetalRecord;
     Float fuzz;  ///< radius of the ball around the mirror direction
@@ -17,8 +17,8 @@ struct FuzzMetalPoint : MaterialPoint {
 /// Directions below the surface are absorbed.
 ///
 /// The density has a closed form: along wi, the integral of r^2 over the part of the ray that lies in the ball of
-/// radius fuzz about the mirror direction, divided by the ball's volume. So lights can be sampled too, with the look of
-/// the original.
+/// radius fuzz about the mirror direction, divided by the ball's volume. Therefore lights can be sampled, without
+/// changing the look of the original.
 class FuzzMetalBsdf {
 public:
     static constexpr ClosureKind kind = ClosureKind::fuzz_metal;
@@ -40,7 +40,7 @@ public:
     }
     BsdfSample sample(Vec3 wo, Sample2 u, Float u1) const
     {
-        // Uniform point of the unit ball: its distance from the center is the cube root of a uniform number.
+        // A uniform point of the unit ball has a distance from the center that is the cube root of a uniform number.
         const Float z = fma(u.x, Float(-2), Float(1));
         const Float s = sqrt(max(fma(-z, z, Float(1)), Float(0)));
         const SinCos phi = sincos_2pi(u.y);

@@ -21,7 +21,7 @@ bool is_open_boundary(const Material& m)
 
 }  // namespace
 
-/// Also compiles principled materials that are only glass.
+/// Compiles glass, and principled materials that are only glass.
 void compile_glass(Compiler&, const Material& m, MaterialRecord& t)
 {
     t.closure = ClosureKind::glass;

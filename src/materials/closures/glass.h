@@ -6,12 +6,12 @@
 namespace fathom {
 inline namespace FATHOM_LANES {
 
-/// Parameters of GlassBsdf, textures applied: see GlassRecord.
+/// Parameters of GlassBsdf, with textures applied: see GlassRecord.
 struct GlassPoint : FacetsPoint {
     using Record = GlassRecord;
     Float ior;
-    Mask sheet{false};                    ///< thin: two boundaries, between which light is reflected repeatedly
-    Spectrum reflection_color{Float(1)};  ///< multiplies reflections
+    Mask sheet{false};  ///< lanes with thin glass of two boundaries, between which light is reflected repeatedly
+    Spectrum reflection_color{Float(1)};  ///< factor of reflections
 
     void read(const ParameterReader<Record>& r)
     {

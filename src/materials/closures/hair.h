@@ -8,12 +8,12 @@
 namespace fathom {
 inline namespace FATHOM_LANES {
 
-/// Parameters of HairBsdf, textures applied: see HairRecord.
+/// Parameters of HairBsdf, with textures applied: see HairRecord.
 struct HairPoint : MaterialPoint {
     using Record = HairRecord;
     Float beta_m, beta_n;  ///< longitudinal and azimuthal roughness
     Float ior;
-    Float scale_tilt;  ///< radians
+    Float scale_tilt;  ///< tilt of the scales in radians
     Float across{0};   ///< offset of the hit across the fiber's width, -1 to 1 along the frame's y
 
     void read(const ParameterReader<Record>& r)
@@ -96,14 +96,15 @@ public:
     }
 
 private:
-    /// R, TT, TRT, and all longer paths.
+    /// Number of lobes: R, TT, TRT, and all longer paths.
     static constexpr int lobes = 4;
     static constexpr float min_beta = 0.01f;
 
     /// Geometry of wo on the fiber, and attenuation and selection probability of each lobe.
     struct Path {
         SinCos theta;
-        Float phi, gamma, gamma_t;  ///< gamma_t: inside the fiber
+        Float phi, gamma,
+            gamma_t;  ///< azimuth of wo, and its angles from the cylinder's normal; gamma_t: inside the fiber
         Spectrum attenuation[lobes];
         Float share[lobes];  ///< selection probability of the lobe
 
@@ -117,7 +118,7 @@ private:
             phi = atan2(wo.z, wo.y);
             Float cos_gamma, cos_gamma_t;
             gamma = asin_of(hair.h_, cos_gamma);
-            // Bravais: in projection along the fiber the index of refraction differs. Marschner et al. 2003, appendix
+            // The index of refraction differs in projection along the fiber (Bravais): Marschner et al. 2003, appendix
             // B.
             const Float sin2 = theta.sin * theta.sin, eta2 = hair.eta_ * hair.eta_;
             const Float beyond = sqrt(max(eta2 - sin2, Float(1e-10f)));  // eta times the cosine of theta inside

@@ -38,7 +38,7 @@ public:
         if (l_.has(LayersRecord::anisotropic)) {
             const Float square = l_.anisotropy * l_.anisotropy;
             alpha_x = select(l_.two_roughnesses, square, fma(Float(1) - alpha, square, alpha));
-            // Lanes must not depend on each other: isotropic lanes keep the result that they have without anisotropic
+            // Lanes must not depend on each other: isotropic lanes get the same result with or without anisotropic
             // ones.
             const Mask drawn_out = (l_.anisotropy > Float(0)) | l_.two_roughnesses;
             const Float mean =
@@ -148,15 +148,15 @@ public:
 private:
     /// Quantities that depend on wo only.
     struct View {
-        Float sheen_transmittance;    ///< transmittance of the sheen to everything below it
-        Spectrum coat_transmittance;  ///< transmittance of the coat, both ways
+        Float sheen_transmittance;    ///< transmittance of the sheen to all layers below it
+        Spectrum coat_transmittance;  ///< transmittance of the coat for light that enters and leaves
         Float more;  ///< compensation of opaque facets: reflectance f at normal incidence is scaled by 1 + f * more
         Float refracting;  ///< fraction of the boundary's light that is refracted or reflected rather than scattered
                            ///< below it
         Float refracted_gain;          ///< compensation of a refracting boundary, on both sides
         Float boundary_transmittance;  ///< transmittance of the dielectric's boundary to the diffuse lobes
-        /// Selection probabilities of the lobes; diffuse reflection takes the remainder. p_specular and p_refracted are
-        /// used as a sum: the sampled facet decides between them, see reflected_chance.
+        /// Selection probabilities of the lobes; diffuse reflection has the remaining probability. p_specular and
+        /// p_refracted are used as a sum: the sampled facet decides between them, see reflected_chance().
         Float p_specular, p_coat, p_sheen, p_refracted, p_diffuse_transmission, p_subsurface, p_diffuse;
     };
 
@@ -223,7 +223,7 @@ private:
         }
     }
     /// Probability that a path at a refracting facet is reflected, in proportion to both contributions, so that weights
-    /// are even. 1 where nothing is refracted.
+    /// vary little. It is 1 where nothing is refracted.
     Float reflected_chance(const Spectrum& dielectric, const Spectrum& metal) const
     {
         const Float boundary = max_component(dielectric);
@@ -278,8 +278,8 @@ private:
         }
         return v;
     }
-    /// Directional albedo of the dielectric's boundary. e, w: values of the GGX and Schlick tables; dielectric: its
-    /// reflectance at the cosine.
+    /// Directional albedo of the dielectric's boundary. e, w: values of the GGX and Schlick tables; dielectric:
+    /// reflectance of the boundary at the cosine.
     Float boundary_albedo(const View& v, Float cosine, Float e, Float w, const Spectrum& dielectric) const
     {
         const Float f0 = max_component(f0_);
@@ -291,17 +291,17 @@ private:
             albedo = fma(film(), fma(max_component(dielectric), e, -albedo), albedo);
         return albedo * boundary_gain(v, f0);
     }
-    /// Compensation factor of the dielectric's reflection for multiple scattering, f0 at normal incidence. Most
-    /// multiply scattered light ends up below the boundary, in the diffuse lobe, which gets what is not reflected, or
-    /// is refracted.
+    /// Compensation factor of the dielectric's reflection for multiple scattering; f0: reflectance at normal incidence.
+    /// Most multiply scattered light ends up below the boundary: in the diffuse lobe, which gets what is not reflected,
+    /// or refracted.
     Float boundary_gain(const View& v, Float f0) const
     {
         const Float opaque = fma(f0, v.more, Float(1));
         if constexpr (!passes) return opaque;
         return fma(v.refracting, v.refracted_gain - opaque, opaque);
     }
-    /// Sets selection probabilities in proportion to the lobes' albedos. The specular boundary has a minimum: its lobe
-    /// is narrow, and what it reflects may be bright.
+    /// Sets selection probabilities in proportion to the lobes' albedos. The specular boundary has a minimum, because
+    /// its lobe is narrow and may reflect bright light.
     void choose(View& v, Float coat, Float sheen, Float dielectric, Float metal) const
     {
         const Float base = v.sheen_transmittance * max_component(v.coat_transmittance),
@@ -327,9 +327,9 @@ private:
             Float(1) - v.p_specular - v.p_coat - v.p_sheen - v.p_refracted - v.p_diffuse_transmission - v.p_subsurface,
             Float(0));
     }
-    /// Transmittance of the coat, both ways, per channel. Interreflection between base and coat darkens the base:
-    /// OpenPBR's coat darkening. A diffuse base loses more, since much of its light meets the coat at angles of total
-    /// internal reflection.
+    /// Transmittance of the coat for light that enters and leaves, per channel. Interreflection between base and coat
+    /// darkens the base: OpenPBR's coat darkening. A diffuse base loses more, since much of its light meets the coat at
+    /// angles of total internal reflection.
     Spectrum under_coat(Float coat_albedo) const
     {
         Spectrum left;
@@ -370,7 +370,7 @@ private:
             r.f_cos = select(above, r.f_cos, beyond.f_cos);
             r.pdf = select(above, r.pdf, beyond.pdf);
             if (l_.has(LayersRecord::with_subsurface)) {
-                // From inside, all light leaves with a cosine distribution.
+                // Light that comes from inside leaves with a cosine distribution.
                 const Float out = max(-wi.z, Float(0)) * Float(inv_pi);
                 r.f_cos = select(l_.in_subsurface, Spectrum(out), r.f_cos);
                 r.pdf = select(l_.in_subsurface, out, r.pdf);
@@ -470,7 +470,7 @@ private:
     FacetAxes axes_;
     Facets<AnisotropicGgx> ggx_;
     Mask mirrors_;
-    // Only for closures that transmit:
+    // Used only by closures that transmit:
     Spectrum tint_;
     Float eta_{1}, diffuse_weight_{1}, diffuse_reflection_weight_{1}, subsurface_weight_{0};
     Mask refracts_{false}, solid_{false}, inside_{false};

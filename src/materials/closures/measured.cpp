@@ -24,7 +24,7 @@ void compile_measured(Compiler& c, const Material& m, MaterialRecord& t)
 {
     const MeasuredBrdf& brdf = c.scene.measured[std::size_t(m.measured)];
     t.set_parameters(MeasuredSurfaceRecord{std::uint32_t(m.measured)});
-    t.base_color = spectrum(reflectance_of(brdf));  // shown in albedo layers
+    t.base_color = spectrum(reflectance_of(brdf));  // reflectance for albedo layers
     t.features.add(MaterialFeature::needs_tangent, !brdf.is_isotropic());
 }
 

@@ -62,7 +62,7 @@ public:
 private:
     /// A microfacet normal as a point of the unit square, with related sines and cosines.
     struct Normal {
-        Float u, v, sine;  ///< sine: of the normal's theta
+        Float u, v, sine;  ///< position in the unit square; sine of the normal's theta
         Float cosine;      ///< cosine between the normal and wo
     };
 
@@ -71,14 +71,14 @@ private:
         Vec3 wo;
         Float signs_x, signs_y;  ///< signs of the mirrorings that take wo to a measured direction
         Float u, v;              ///< wo as a point of the unit square
-        Float normals_from;      ///< azimuth from which those of normals are counted
+        Float normals_from;      ///< azimuth relative to which the azimuths of normals are counted
         MeasuredSlices slices;
     };
 
     Path path_of(Vec3 w) const
     {
         const Vec3 t = to_tangent(w);
-        // Tables of surfaces with symmetry 2 or 4 cover wo of negative x and y only.
+        // Tables of surfaces with symmetry 2 or 4 cover only wo of negative x and y.
         const Mask mirrored = less(UInt(1u), d_.symmetry);
         const Float signs_x = select(mirrored, -select(d_.symmetry == UInt(4u), t.x, t.y), Float(1)),
                     signs_y = select(mirrored, -t.y, Float(1));
@@ -117,7 +117,8 @@ private:
         return {fma(w.x, cos_, -(y * sin_)), fma(w.x, sin_, y * cos_), w.z};
     }
 
-    /// even_u, even_v: the normal after the inverse vndf warp. density: of the normal, over the unit square.
+    /// Evaluates the BRDF for a normal. even_u, even_v: uniform numbers that the vndf warp maps to the normal. density:
+    /// density of the normal over the unit square.
     BsdfEval evaluate(const Path& path, const Normal& normal, Float even_u, Float even_v, Float density,
                       Mask above) const
     {
@@ -144,7 +145,7 @@ private:
     }
 
     MeasuredPoint d_;
-    Float cos_, sin_;  ///< of the tangent's angle in the shading frame
+    Float cos_, sin_;  ///< cosine and sine of the tangent's angle in the shading frame
 };
 
 }  // namespace FATHOM_LANES

@@ -28,7 +28,7 @@ UInt last_up_to(UInt count, Float x, ValueOf&& value_of)
 
 /// The four tables of a surface around a direction in theta and phi, with their weights for linear interpolation.
 struct MeasuredSlices {
-    UInt number[4], count;  ///< count: of all tables of the surface
+    UInt number[4], count;  ///< indices of the tables; count: number of all tables of the surface
     Float weight[4];
     int used;  ///< number of entries in use: 2 if no lane depends on phi, else 4
 

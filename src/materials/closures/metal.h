@@ -6,7 +6,7 @@
 namespace fathom {
 inline namespace FATHOM_LANES {
 
-/// Parameters of MetalBsdf, textures applied: see MetalRecord.
+/// Parameters of MetalBsdf, with textures applied: see MetalRecord.
 struct MetalPoint : FacetsPoint {
     using Record = MetalRecord;
 
@@ -14,7 +14,7 @@ struct MetalPoint : FacetsPoint {
 };
 
 /// A conductor: GGX microfacets with Schlick's reflectance, scaled to compensate for multiple scattering (Turquin 2019,
-/// "Practical multiple scattering compensation for microfacet models"). A mirror below min_alpha.
+/// "Practical multiple scattering compensation for microfacet models"). It is a mirror if alpha is below min_alpha.
 class MetalBsdf {
 public:
     static constexpr ClosureKind kind = ClosureKind::metal;

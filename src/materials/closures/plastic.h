@@ -7,13 +7,13 @@
 namespace fathom {
 inline namespace FATHOM_LANES {
 
-/// Parameters of PlasticBsdf, textures applied: see PlasticRecord.
+/// Parameters of PlasticBsdf, with textures applied: see PlasticRecord.
 struct PlasticPoint : FacetsPoint {
     using Record = PlasticRecord;
     Float ior;
-    Float optical_thickness{0}, internal_absorption{0};  ///< see PlasticRecord
-    Mask nonlinear{true};                 ///< interreflection below the boundary multiplies the body's color each time
-    Spectrum reflection_color{Float(1)};  ///< multiplies reflections
+    Float optical_thickness{0}, internal_absorption{0};  ///< properties of the absorbing layer, see PlasticRecord
+    Mask nonlinear{true};                 ///< lanes where each internal reflection multiplies by the body's color
+    Spectrum reflection_color{Float(1)};  ///< factor of reflections
 
     void read(const ParameterReader<Record>& r)
     {
@@ -35,9 +35,9 @@ struct PlasticPoint : FacetsPoint {
 ///
 ///      color / pi * passes(wo) * passes(wi) / (ior^2 (1 - color * inner))
 ///
-/// Rough boundaries take both from tables. With energy compensation all light that is not reflected in the first event
-/// enters; otherwise only light that passes in the first event, as in layers simulated by random walks, and the rest is
-/// lost.
+/// Rough boundaries take both from tables. With energy compensation, all light that is not reflected in the first event
+/// enters; otherwise only light that passes in the first event enters, as in layers simulated by random walks, and the
+/// rest is lost.
 ///
 /// A gray layer between boundary and body absorbs along the directions that a smooth boundary refracts to, and absorbs
 /// the fraction `internal_absorption` of internally reflected light.
@@ -105,10 +105,10 @@ public:
     }
 
 private:
-    /// Blocks of plastic_share_table.
+    /// Numbers of the blocks of plastic_share_table.
     enum : std::uint32_t { compensated, correlated, separable, beckmann };
-    /// Rows of plastic_means_table. After `passing` there are two rows for each kind of facets but the first:
-    /// transmittance, and loss of internal light.
+    /// Numbers of the rows of plastic_means_table. From `passing` on, there are two rows for each kind of facets but
+    /// the first: transmittance, and loss of internal light.
     enum : std::uint32_t { reflecting, bend, passing };
 
     Float mean_of(UInt row) const
@@ -150,7 +150,7 @@ private:
         };
         return exp(-(thickness_ * (way(cosine_in) + way(cosine_out))));
     }
-    /// Probability of sampling the boundary. passes_out: its transmittance towards wo.
+    /// Probability of sampling the boundary's reflection. passes_out: transmittance of the boundary towards wo.
     Float boundary_probability(Float passes_out) const
     {
         const Float s = Float(1) - passes_out, b = passes_out * max_body_;
@@ -160,7 +160,7 @@ private:
     Float roughness_;
     Facets<Ggx> ggx_;
     Mask mirrors_;
-    UInt facets_;    ///< which blocks and rows of the tables
+    UInt facets_;    ///< selects the blocks and rows of the tables
     Spectrum tint_;  ///< color of the boundary's reflection
     Float ior_, thickness_, max_body_;
     Spectrum body_;  ///< body's BRDF without the boundary's transmittances and 1 / pi

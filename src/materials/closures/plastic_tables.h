@@ -1,5 +1,5 @@
 #pragma once
-// One row of a table per source line.
+// Each source line holds one row of a table.
 // clang-format off
 #include "materials/microfacet/ggx_albedo_table.h"
 
@@ -174,7 +174,7 @@ inline constexpr float plastic_cosine_table[ggx_albedo_size * ggx_albedo_size] =
     0.48764f, 0.50307f, 0.51795f, 0.53180f, 0.54507f, 0.55795f, 0.57055f, 0.58293f, 0.59513f, 0.60719f, 0.61911f, 0.63094f, 0.64267f, 0.65434f, 0.66594f, 0.67750f, 0.68903f, 0.70054f, 0.71204f, 0.72355f, 0.73508f, 0.74665f, 0.75828f, 0.77000f, 0.78183f, 0.79380f, 0.80596f, 0.81836f, 0.83107f, 0.84418f, 0.85784f, 0.87223f,
     0.49574f, 0.51198f, 0.52728f, 0.54132f, 0.55468f, 0.56755f, 0.58008f, 0.59235f, 0.60438f, 0.61623f, 0.62792f, 0.63948f, 0.65093f, 0.66228f, 0.67355f, 0.68474f, 0.69590f, 0.70701f, 0.71808f, 0.72916f, 0.74024f, 0.75135f, 0.76250f, 0.77370f, 0.78501f, 0.79646f, 0.80805f, 0.81989f, 0.83198f, 0.84446f, 0.85743f, 0.87106f,
 };
-/// By roughness, for diffuse light: reflectance; interpolation weight of its change with the index, from a smooth
+/// Means for diffuse light by roughness: reflectance; interpolation weight of its change with the index, from a smooth
 /// boundary's (0) to that at normal incidence (1); then for each kind of facets the fraction of unreflected light that
 /// passes, and the fraction of internal light that is lost.
 inline constexpr float plastic_means_table[8 * ggx_albedo_size] = {

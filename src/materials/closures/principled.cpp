@@ -7,10 +7,10 @@ namespace fathom {
 
 namespace {
 
-/// Features that glass and principled closures have themselves; any other needs a layered closure.
+/// Features that glass and principled closures support; any other feature needs a layered closure.
 constexpr std::uint32_t plain = LayersRecord::energy_compensation | LayersRecord::with_transmission;
 
-/// The simplest closure that supports every feature a principled material uses.
+/// Returns the simplest closure that supports every feature of a principled material.
 ClosureKind closure_of_principled(const Material& m)
 {
     const std::uint32_t features = layer_features(m);

@@ -68,7 +68,7 @@ public:
     }
 
 private:
-    /// Compensation factor minus 1 of a white surface. e: single-scattering albedo of its facets.
+    /// Compensation factor minus 1 of a white surface. e: single-scattering albedo of its microfacets.
     Float gain(Float e) const { return compensation_ * (Float(1) - e) / e; }
     /// Directional albedo of the specular layer, by the tables.
     Float layer_albedo(Float cosine) const

@@ -32,7 +32,7 @@ void compile_emission(const Material& m, MaterialRecord& t)
     t.features.add(MaterialFeature::needs_uv, emission.texture >= 0);
 }
 
-/// Rays pass surfaces that are invisible lights, whatever their alpha.
+/// Sets the alpha parameters. Rays pass invisible lights, whatever their alpha.
 void compile_alpha(const Material& m, MaterialRecord& t)
 {
     const NumberRecord alpha = number(m.opacity.alpha);
@@ -55,7 +55,7 @@ void compile_maps(const Compiler& c, const Material& m, MaterialRecord& t)
     t.bump.value = float(m.bump.value * c.space.scale);
 }
 
-/// Whether tangents of a map's texture coordinates may differ from those of the mesh's first set.
+/// Whether tangents that follow a map's texture coordinates may differ from those of the mesh's first set.
 bool has_other_tangents(const Compiler& c, int texture)
 {
     if (texture < 0) return false;
@@ -64,7 +64,7 @@ bool has_other_tangents(const Compiler& c, int texture)
     return TextureMapping(t.mapping) == TextureMapping::uv && (t.uv_set != 0 || !keeps_directions);
 }
 
-/// Sets whether tangents follow the texture coordinates of maps. Requires the features of all other steps.
+/// Sets whether tangents follow the texture coordinates of maps. Must run after all steps that set features.
 void compile_tangents(const Compiler& c, const Material& m, MaterialRecord& t)
 {
     const bool differ = has_other_tangents(c, m.normal_map.texture) || has_other_tangents(c, m.coat.normal_texture) ||
@@ -75,13 +75,13 @@ void compile_tangents(const Compiler& c, const Material& m, MaterialRecord& t)
 
 bool is_solid(const Material& m, ClosureKind closure)
 {
-    // Sheets of glass with attenuation enclose a medium though they are thin.
+    // Sheets of glass with attenuation enclose a medium although they are thin.
     if (m.interior.thin) return m.kind == MaterialKind::glass && m.interior.attenuation_distance > 0;
     return closure == ClosureKind::glass || closure == ClosureKind::layered_transmitting ||
            closure == ClosureKind::disney_transmitting;
 }
 
-/// Requires the closure.
+/// Sets the media of the solid. The closure must be set already.
 void compile_media(Compiler& c, const Material& m, MaterialRecord& t)
 {
     if (!is_solid(m, t.closure)) return;
@@ -93,7 +93,7 @@ void compile_media(Compiler& c, const Material& m, MaterialRecord& t)
     t.medium = only_subsurface ? t.subsurface_medium : volume_medium(c, m, is_index_matched);
 }
 
-/// Requires the closure and the media.
+/// Sets the features of front and back. The closure and the media must be set already.
 void compile_sides(const Material& m, MaterialRecord& t)
 {
     t.features.add(MaterialFeature::single_sided, m.visibility.camera_backface_culling && !is_solid(m, t.closure));
@@ -119,7 +119,7 @@ MaterialRecord compile_material(Compiler& c, const Material& m)
     return t;
 }
 
-/// Gives a mixture the features and media of its parts that geometry compilation depends on.
+/// Gives a mixture those features and media of its parts on which geometry compilation depends.
 void propagate_mixture_flags(Compiler& c, std::size_t index)
 {
     const Material& m = c.scene.materials[index];
@@ -165,7 +165,7 @@ void compile_material_records(Compiler& c)
     for (const Material& material : c.scene.materials)
         c.tables.materials.push_back(compile_material(c, parameters_of_kind(material, material_parameters())));
     for (std::size_t i = 0; i < c.scene.materials.size(); ++i) propagate_mixture_flags(c, i);
-    // The last record is the material of shapes without one.
+    // The last record is the default material, for shapes without a material.
     c.tables.materials.push_back(compile_material(c, Material{}));
 }
 

@@ -10,7 +10,7 @@ inline namespace FATHOM_LANES {
 /// are in the frame of the shading normal.
 class Gtr1Coat {
 public:
-    /// gloss: in [0, 1]; alpha is 0.1 at 0 and 0.001 at 1
+    /// gloss: in [0, 1]; alpha is 0.1 for a gloss of 0, and 0.001 for 1
     explicit Gtr1Coat(Float gloss)
     {
         const Float alpha = fma(gloss, Float(0.001f - 0.1f), Float(0.1f));
@@ -26,7 +26,7 @@ public:
         const Vec3 h = normalize(wo + wi + Vec3{Float(0), Float(0), Float(1e-20f)});
         const Float cos_d = max(dot(wo, h), Float(1e-6f)), normals = d(h);
         const Ggx shadowing{Float(0.25f)};
-        // Burley's code omits the usual 1 / (4 cos cos): the coat's strength includes it.
+        // Burley's code omits the usual 1 / (4 cos cos), which the coat's strength includes.
         f_cos = Float(0.25f) * reflectance(cos_d) * normals * shadowing.g1(wo) * shadowing.g1(wi) * wi.z;
         pdf = normals * h.z / (Float(4) * cos_d);
     }

@@ -7,7 +7,7 @@
 namespace fathom {
 inline namespace FATHOM_LANES {
 
-/// exp(-x) I0(x) for x >= 0, of the modified Bessel function; relative error below 5e-7.
+/// exp(-x) I0(x) for x >= 0, where I0 is the modified Bessel function; relative error below 5e-7.
 /// Abramowitz and Stegun 1964, "Handbook of Mathematical Functions", 9.8.1 and 9.8.2.
 inline Float scaled_bessel_i0(Float x)
 {
@@ -62,7 +62,7 @@ struct HairAzimuthal {
     HairAzimuthal() = default;
     explicit HairAzimuthal(Float scale) : s(scale), inverse_s(Float(1) / s), tail(exp(Float(-pi) * inverse_s)) {}
 
-    /// Density over the azimuth. x: radians from the direction of a smooth fiber, of any period.
+    /// Density over the azimuth. x: angle in radians from the direction of a smooth fiber, in any period.
     Float pdf(Float x) const
     {
         const Float turns = x * Float(0.5f * inv_pi);

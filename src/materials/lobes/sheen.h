@@ -7,7 +7,7 @@ namespace fathom {
 inline namespace FATHOM_LANES {
 
 /// Sheen lobe of fibers that stand on a surface, such as velvet: Estevez and Kulla 2017, "Production Friendly
-/// Microfacet Sheen BRDF", with the visibility term of Ashikhmin and Premoze 2007. Unscaled it would reflect more light
+/// Microfacet Sheen BRDF", with the visibility term of Ashikhmin and Premoze 2007. The lobe would reflect more light
 /// than arrives at grazing angles, so it is divided by its albedo where that exceeds 1.
 class SheenLobe {
 public:
@@ -26,7 +26,7 @@ public:
         const Float v = Float(0.25f) / max(fma(-wo.z, wi.z, wo.z + wi.z), Float(1e-4f));
         return d * v * wi.z / max(unscaled_albedo(wo), Float(1));
     }
-    /// Samples the hemisphere uniformly: most of the lobe's energy is near the horizon.
+    /// Samples the hemisphere uniformly, since most of the lobe's energy is near the horizon.
     static Vec3 sample(Sample2 u)
     {
         const Float s = sqrt(max(fma(-u.y, u.y, Float(1)), Float(0)));

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// One row of the table per source line.
+// Each source line holds one row of the table.
 // clang-format off
 #include "materials/microfacet/ggx_albedo_table.h"
 

@@ -1,5 +1,5 @@
 #pragma once
-// One row of the table per source line.
+// Each source line holds one row of the table.
 // clang-format off
 
 namespace fathom {

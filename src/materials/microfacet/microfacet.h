@@ -35,7 +35,7 @@ struct Ggx {
     {
         const Float a2 = alpha * alpha;
         const Float t = fma(h.z * h.z, a2 - Float(1), Float(1));
-        // Near the normal 1 - cos^2 cancels; the sine computed from x and y is exact.
+        // 1 - cos^2 would cancel near the normal; the sine computed from x and y is exact.
         const Float sine2 = fma(h.x, h.x, h.y * h.y);
         const Float e = select(h.z > Float(0.9f), fma(a2, h.z * h.z, sine2), t);
         return a2 * Float(inv_pi) / max(e * e, Float(1e-30f));
@@ -96,7 +96,7 @@ struct FacetAxes {
     Float cosine{1}, sine{0};
 
     FacetAxes() = default;
-    /// tangent: in the frame of the shading normal; a tangent of length about 0 gives the identity
+    /// tangent: in the frame of the shading normal; a tangent of length near 0 gives the identity
     explicit FacetAxes(const Vec3& tangent)
     {
         const Float sine2 = fma(tangent.x, tangent.x, tangent.y * tangent.y);
@@ -115,11 +115,11 @@ private:
 /// Alpha of the GGX distribution that best matches a Beckmann distribution, divided by Beckmann's alpha.
 inline constexpr float ggx_of_beckmann = 0.7f, sqrt_ggx_of_beckmann = 0.83666003f;
 
-/// Microfacets with the distribution and shadowing of G (a GGX distribution). In the lanes of `separable` the shadowing
-/// term is G1(wo) G1(wi); in the lanes of `beckmann` the distribution is Beckmann's, with Walter's rational fit of G1
+/// Microfacets with the distribution and shadowing of G, a GGX distribution. In the lanes of `separable` the shadowing
+/// term is G1(wo) G1(wi). In the lanes of `beckmann` the distribution is Beckmann's, with Walter's rational fit of G1
 /// (Walter et al. 2007).
 /// Beckmann lanes sample normals by G with alpha times ggx_of_beckmann: the ratio of the densities is at most 1.8, so
-/// that weights are bounded.
+/// weights are bounded.
 template <class G>
 class Facets : public G {
 public:
@@ -130,15 +130,15 @@ public:
     {
     }
 
-    /// Density of normals at h. d: G::d(h), which callers have already.
+    /// Density of normals at h. d: G::d(h), which callers have computed already.
     Float value(Vec3 h, Float d) const
     {
         if (!some_) return d;
         constexpr float ratio2 = ggx_of_beckmann * ggx_of_beckmann;
         const Float cos2 = max(h.z * h.z, Float(1e-8f));
         const Float b = exp(-this->slope2(h) * Float(ratio2)) * Float(ratio2 * inv_pi) / (this->alpha2() * cos2 * cos2);
-        // The lower bound keeps the value positive wherever the sampling density is: which directions are valid must
-        // not depend on where exp underflows.
+        // The lower bound keeps the value positive wherever the sampling density is positive: which directions are
+        // valid must not depend on where exp underflows.
         return select(beckmann_, max(b, Float(1e-30f)), d);
     }
     /// Shadowing-masking term.
@@ -232,9 +232,9 @@ inline Float dielectric_albedo(Float cosine, Float roughness, Float eta)
 
 /// Reflectance of a smooth boundary between two dielectrics, for unpolarized light.
 ///
-/// cos_theta_i  abs cosine of direction and normal, in [0, 1]
+/// cos_theta_i  abs cosine of the angle between direction and normal, in [0, 1]
 /// eta          index beyond the boundary over index before it, in [0.01, 100]
-/// cos_theta_t  set to the cosine beyond; 0 under total internal reflection, where the result is exactly 1
+/// cos_theta_t  receives the cosine beyond the boundary; 0 for total internal reflection, where the result is exactly 1
 ///
 /// Born and Wolf, Principles of Optics, 1.5.2.
 inline Float fresnel_dielectric(Float cos_theta_i, Float eta, Float& cos_theta_t)
@@ -250,7 +250,7 @@ inline Float fresnel_dielectric(Float cos_theta_i, Float eta, Float& cos_theta_t
 
 /// Reflectance of a conductor of index eta + i k in vacuum, for unpolarized light.
 ///
-/// cosine  of direction and normal, in [0, 1]
+/// cosine  cosine of the angle between direction and normal, in [0, 1]
 ///
 /// Born and Wolf, Principles of Optics, 14.2, with u + i v = sqrt((eta + i k)^2 - sin^2).
 inline Float fresnel_conductor(Float cosine, Float eta, Float k)

@@ -23,7 +23,7 @@ inline TexturePoint displaced_lookup_point(const SceneTables& tables, const Surf
 }
 
 /// Tilts the shading normals of the lanes of m, whose materials are bump mapped. Blinn's term for the curvature of the
-/// surface itself (height times dn/du) is left out.
+/// surface itself (height times dn/du) is omitted.
 [[gnu::noinline]] inline void apply_bump_map(const SceneTables& tables, Mask m, Surface& s)
 {
     const auto get = [&](auto NumberRecord::* member) {
@@ -34,8 +34,8 @@ inline TexturePoint displaced_lookup_point(const SceneTables& tables, const Surf
     const auto height = [&](const TexturePoint& at) {
         return evaluate_textures(tables, texture, at, m).channel(channel) * scale;
     };
-    // The step is about a quarter of a pixel, since the camera is near the origin of render space. Far from the world's
-    // origin it grows with the spacing of floats.
+    // The step is about a quarter of a pixel, since the camera is near the origin of render space. Far from the origin
+    // of world space it grows with the spacing of floats.
     const Float step =
         max(max(max_abs(s.p), max_abs(s.at.p_world) * Float(float(tables.render_scale * 0.25))), Float(1e-3f)) *
         Float(0x1p-12f);

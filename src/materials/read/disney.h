@@ -8,10 +8,10 @@
 namespace fathom {
 inline namespace FATHOM_LANES {
 
-/// Parameters of DisneyBsdf with their textures applied.
+/// Reads the parameters of DisneyBsdf and applies their textures.
 ///
 /// s      the surface, before its normal map is applied
-/// index  into ShadingTables::disney, for the lanes of m
+/// index  index into ShadingTables::disney, for the lanes of m
 inline void read_disney(const SceneTables& tables, const Surface& s, UInt index, Mask m, DisneyPoint& p)
 {
     RecordInputs<DisneyRecord> inputs(tables, tables.disney, s.at, index, m);

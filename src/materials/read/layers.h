@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-/// Parameters of LayeredBsdf with their textures applied.
+/// Reading of the parameters of LayeredBsdf, with textures applied.
 #include "kernel/tables.h"
 #include "materials/closures/closure.h"
 #include "materials/read/tangent_frame.h"
@@ -9,10 +9,10 @@
 namespace fathom {
 inline namespace FATHOM_LANES {
 
-/// Reads a LayersRecord per lane into a LayersPoint; parameters of features that no lane has are not read.
+/// Reads a LayersRecord of each lane into a LayersPoint. Parameters of features that no lane has are not read.
 class LayersReader {
 public:
-    /// s: the surface, before its normal map is applied. index: into ShadingTables::layers, for the lanes of m.
+    /// s: the surface, before its normal map is applied. index: index into ShadingTables::layers, for the lanes of m.
     LayersReader(const SceneTables& tables, const Surface& s, UInt index, Mask m)
         : t_(tables), s_(s), frame_(s), m_(m), inputs_(tables, tables.layers, s.at, index, m)
     {

@@ -47,7 +47,7 @@ public:
     Spectrum emission(const Surface& s, LaneFeatures features, Mask m) const
     {
         Spectrum e = get(&MaterialRecord::emission, s.material, m);
-        // Vertex colors multiply the base color, which is the radiance of unlit materials.
+        // Vertex colors multiply the base color, and therefore the radiance of unlit materials.
         const Mask colored = m & features.has_all(MaterialFeature::unlit | MaterialFeature::vertex_colored);
         if (any(colored))
             for (int c = 0; c < channels; ++c) e.c[c] = select(colored, e.c[c] * s.at.vertex_color[c], e.c[c]);
@@ -105,8 +105,8 @@ public:
     }
 
 private:
-    /// Replaces the mesh's tangents by those of the normal map: parameters without a map, such as anisotropy, refer to
-    /// them.
+    /// Replaces the mesh's tangents by those of the normal map, which also apply to parameters without a map, such as
+    /// anisotropy.
     [[gnu::noinline]] void use_map_tangents(UInt normal_texture, Mask own, Surface& s) const
     {
         s.has_map_tangents = own;
@@ -116,7 +116,7 @@ private:
         const Float side = dot(cross(s.ns, frame.tangent), frame.bitangent);
         s.bitangent_sign = select(mapped, copysign(Float(1), side), s.bitangent_sign);
     }
-    /// The base color of fibers that give their absorption instead.
+    /// Sets the base color of fibers whose materials give an absorption instead.
     static void apply_absorption(const ParameterReader<HairRecord>& hair, Mask m, MaterialPoint& p)
     {
         const Float beta_n = hair.number(&HairRecord::beta_n, &HairRecord::beta_n_texture);

@@ -10,8 +10,8 @@ inline namespace FATHOM_LANES {
 /// Locates the tables of measured surfaces, and the tangent of anisotropic ones.
 ///
 /// s      the surface, before its normal map is applied
-/// index  into ShadingTables::measured, for the lanes of m, at least one of which is active; other lanes get a valid
-/// index too
+/// index  index into ShadingTables::measured, for the lanes of m, at least one of which is active; other lanes get a
+/// valid index, too
 inline void read_measured(const SceneTables& tables, const Surface& s, UInt index, Mask m, MeasuredPoint& p)
 {
     constexpr int words = int(sizeof(MeasuredRecord) / 4);

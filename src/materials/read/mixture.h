@@ -14,8 +14,8 @@ class MixtureStage {
 public:
     explicit MixtureStage(const LaneScene& scene) : scene_(scene), t_(scene.tables), surfaces_(scene) {}
 
-    /// Writes the chosen material of each of the first `active` paths to hits.material; no_index for paths that hit no
-    /// mixture.
+    /// Writes the chosen material of each of the first `active` paths to hits.material; no_index for paths that did not
+    /// hit a mixture.
     [[gnu::noinline]] void choose(const PathPool& p, HitColumns& hits, std::size_t active, bool has_time) const
     {
         for (std::size_t i = 0; i < active; i += lanes) {
@@ -37,7 +37,7 @@ public:
         }
     }
 
-    /// Bucket by which paths are sorted: that of the chosen material, or `bucket` where none was chosen.
+    /// Sort bucket of a path: that of the chosen material, or `bucket` if none was chosen.
     UInt bucket(UInt material, UInt bucket, Mask m) const
     {
         const Mask chosen = m & (material != UInt(no_index));
@@ -45,8 +45,8 @@ public:
     }
 
 private:
-    /// Descends through nested mixtures to a material that is none. random: in [0, 1); it is rescaled after each choice
-    /// and decides the next.
+    /// Descends through nested mixtures to a material that is not a mixture. random: in [0, 1); it is rescaled after
+    /// each choice and used for the next.
     UInt material_of(const SurfaceHit& hit, Float random, Mask m) const
     {
         const Surface s = surfaces_.read(hit, m);

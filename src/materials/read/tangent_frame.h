@@ -13,7 +13,7 @@ struct TangentFrame {
 
     explicit TangentFrame(const Surface& s) : TangentFrame(s.ns, s.tangent, s.bitangent_sign) {}
     /// Tangent space of a map. In lanes with has_map_tangents the tangent follows the map's own texture coordinates,
-    /// else it is the surface's. texture: index per lane of m, or no_index.
+    /// otherwise it is the surface's. texture: index for the lanes of m, or no_index.
     static TangentFrame of_map(const ShadingTables& tables, const Surface& s, UInt texture, Mask m)
     {
         const Mask own = m & s.has_map_tangents;
@@ -31,7 +31,7 @@ struct TangentFrame {
         });
         return TangentFrame(s.ns, tangent, sign);
     }
-    /// The normal of a texel of a normal map, for the lanes of m; the unperturbed normal in other lanes.
+    /// The normal that a texel of a normal map gives, for the lanes of m; the unperturbed normal in other lanes.
     Vec3 bend(const Texel& t, Float scale, Mask m) const
     {
         const Float x = fma(t.c[0], Float(2), Float(-1)) * scale, y = fma(t.c[1], Float(2), Float(-1)) * scale,

@@ -23,7 +23,7 @@ namespace fathom {
 
 namespace {
 
-/// sRGB to linear: IEC 61966-2-1. In double precision, so that all math libraries round to the same float.
+/// Converts sRGB to linear: IEC 61966-2-1. In double precision all math libraries round to the same float.
 float linear_from_srgb(double v)
 {
     return float(v <= 0.04045 ? v / 12.92 : std::pow((v + 0.055) / 1.055, 2.4));
@@ -93,10 +93,10 @@ struct Decoded {
 /// Reads images; each step uses at most a given fraction of the available memory.
 class Decoder {
 public:
-    /// parts: the fraction is 1 / parts
+    /// parts: the allowed fraction of the memory is 1 / parts
     Decoder(const SceneDescription& scene, std::uint64_t parts) : scene_(scene), parts_(parts) {}
 
-    /// Throws Error, which names the image file if that is what can't be read.
+    /// Reads an image. Throws Error; if a file can't be read, the error names it.
     Picture read(int index) const
     {
         const ImageFile& file = scene_.images[std::size_t(index)];
@@ -130,7 +130,7 @@ public:
         decoded.height = image.height;
         const bool decode = space == ColorSpace::srgb && !image.is_linear;
         if (may_pack) {
-            // sRGB codes of 16 bits would need a decoding table too large for caches: such images become floats.
+            // Images with 16-bit sRGB codes become floats, since their decoding table would be too large for caches.
             const TexelFormat narrow = decode ? TexelFormat::bytes_srgb : TexelFormat::bytes;
             for (const TexelFormat format : {narrow, image.is_linear ? TexelFormat::halves : TexelFormat::shorts}) {
                 if ((decode && format == TexelFormat::shorts) || !pack(image, format, decoded.words)) continue;
@@ -221,8 +221,8 @@ private:
         return true;
     }
 
-    /// Stores the values as floats and returns the number of NaN or infinite ones, which become 0: a single one would
-    /// invalidate the sums by which environments are sampled, and every sample that it contributes to.
+    /// Stores the values as floats and returns the number of NaN or infinite ones, which become 0. A single one would
+    /// invalidate the sums by which environments are sampled, and every sample to which it contributes.
     std::size_t unpack(const Image& image, bool decode, LargeVector<float>& texels) const
     {
         const Image::Layer& layer = image.layers.front();
@@ -310,7 +310,7 @@ void decode_together(const SceneDescription& scene, const std::vector<ImageUse>&
     });
 }
 
-/// Decodes with all available memory, so that results and warnings don't depend on the number of threads.
+/// Decodes an image with all available memory, so that results and warnings don't depend on the number of threads.
 Decoded decode_alone(const Compiler& c, const ImageUse& use)
 {
     const Decoder decoder(c.scene, 1);
@@ -351,7 +351,7 @@ ImageStore::ImageStore(Compiler& c)
     Decoder(c.scene, 1).check_memory(double(floats) * sizeof(float));
     c.tables.texels.reserve(floats);
     for (std::size_t i = 0; i < uses.size(); ++i) {
-        Decoded d = std::move(pictures[i]);  // frees the floats of each image once they are in the tables
+        Decoded d = std::move(pictures[i]);  // moving frees the floats of each image once they are in the tables
         c.warnings.add(fmt::format("{}: values that are not finite are replaced by 0", name_of(c.scene, uses[i].image)),
                        d.non_finite);
         Texels& texels = texels_[uses[i]];

@@ -11,12 +11,16 @@
 
 namespace fathom {
 
-/// A way to decode an image: each distinct one is decoded once.
+/// A way to decode an image. Each distinct ImageUse is decoded once.
 struct ImageUse {
     int image;
     ColorSpace space;
-    float height_scale;                                          ///< as Texture::height_scale
-    enum class Purpose { texture, environment, light } purpose;  ///< textures may be packed; others stay floats
+    float height_scale;  ///< see Texture::height_scale
+    enum class Purpose {
+        texture,
+        environment,
+        light
+    } purpose;  ///< images of textures may be packed; others stay floats
 
     friend auto operator<=>(const ImageUse&, const ImageUse&) = default;
 };
@@ -39,7 +43,7 @@ public:
     /// Location and size of a texture's texels.
     struct Texels {
         TexelFormat format = TexelFormat::float4;
-        std::uint64_t place = 0;  ///< as TextureRecord::texels
+        std::uint64_t place = 0;  ///< see TextureRecord::texels
         int width = 0, height = 0;
     };
     /// Texels of a texture, in the smallest format that holds every value exactly: 4 bytes per texel for 8-bit images.
@@ -51,7 +55,7 @@ public:
 
 private:
     std::map<ImageUse, Texels> texels_;
-    std::map<int, CubeFace> environment_;  ///< by image index, as floats
+    std::map<int, CubeFace> environment_;  ///< by image index; texels are floats
     std::map<LightImages::Use, CubeFace> lights_;
 };
 

@@ -38,7 +38,7 @@ TextureRecord compile_texture(Compiler& c, const ImageStore& images, const Textu
     t.wrap_v = std::uint32_t(texture.wrap_v);
     t.nearest = texture.nearest;
     t.uv_set = std::uint32_t(texture.uv_set);
-    // KHR_texture_transform: translation * rotation * scale, the rotation turning v towards u.
+    // KHR_texture_transform defines translation * rotation * scale, with a rotation that turns v towards u.
     const float cosine = std::cos(texture.uv_rotation), sine = std::sin(texture.uv_rotation);
     t.uv_map = {cosine * texture.uv_scale.x, sine * texture.uv_scale.y,   texture.uv_offset.x,
                 -sine * texture.uv_scale.x,  cosine * texture.uv_scale.y, texture.uv_offset.y};

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""The command line: checkpoints, signals, parts."""
+"""Tests of the command line: checkpoints, signals, parts."""
 import json
 import os
 import resource
@@ -27,7 +27,7 @@ class Checkpoints(CommandLine):
         self.assertIn("continuing from 5 of 16 samples in c.exr\n", text)
         self.assertEqual(self.read("a.png"), self.read("whole.png"))
         self.assertEqual(self.sums("c.exr"), self.sums("whole.exr"))
-        # Once more: nothing is left to do, and nothing is written but the picture.
+        # In another run nothing is left to do, and nothing is written but the image.
         before = os.stat(self.path("c.exr"))
         os.remove(self.path("a.png"))
         self.assertIn("continuing from 16 of 16", self.ok(*self.render("--spp", "16", "--checkpoint", "c.exr", "-o", "a.png")).stderr)
@@ -64,7 +64,7 @@ class Checkpoints(CommandLine):
             os.remove(self.path("d.previous.exr"))
 
     def leave_as_rank(self, number, samples, name="c"):
-        """What a rank of a run that was cut off leaves beside the checkpoint."""
+        """Leaves the file that a rank of an interrupted run leaves beside the checkpoint."""
         self.ok(*self.render("--samples", samples, "--checkpoint", f"{name}.rank{number}.exr", "-q"))
 
     def test_goes_on_from_what_ranks_have_left(self):
@@ -73,7 +73,8 @@ class Checkpoints(CommandLine):
         self.leave_as_rank(1, "5:7")
         self.leave_as_rank(12, "8:16")
         self.leave_as_rank(2, "1:9", name="other")
-        # A name that is nobody's, and a rank whose samples the checkpoint has, as where a run ended before removing it.
+        # One file does not belong to a rank, and one has samples that are in the checkpoint already, as after a run
+        # that ended before it removed the file.
         Path(self.path("c.rankless.exr")).write_bytes(b"mine")
         self.leave_as_rank(3, "0:2")
         text = self.ok(*self.render("--spp", "16", "--checkpoint", "c.exr", "-o", "a.png")).stderr
@@ -84,7 +85,7 @@ class Checkpoints(CommandLine):
         self.assertEqual(left, ["c.rankless.exr", "other.rank2.exr"])
 
     def test_ranks_alone_are_enough(self):
-        """Rank 0, which writes the checkpoint itself, had nothing yet; and nothing is left to do."""
+        """Rank 0, which writes the checkpoint itself, had no samples yet; the other ranks have all of them."""
         self.leave_as_rank(1, "0:10")
         self.leave_as_rank(2, "10:16")
         text = self.ok(*self.render("--spp", "16", "--checkpoint", "c.exr")).stderr
@@ -102,7 +103,7 @@ class Checkpoints(CommandLine):
         self.assertRegex(text, r"(?m)^fathom: c.rank1.exr: .*its samples are rendered again$")
         self.assertIn("continuing from 3 of 16 samples in c.exr\n", text)
         self.assertEqual(self.read("a.png"), self.read("whole.png"))
-        # Of another render: refused, as the checkpoint itself is.
+        # A rank's file of another render is refused, as the checkpoint itself is.
         self.ok(*self.render("--samples", "20:22", "--seed", "1", "--checkpoint", "c.rank1.exr", "-q"))
         refused = self.run_program(*self.render("--spp", "32", "--checkpoint", "c.exr", "-o", "a.png"))
         self.assertEqual(refused.returncode, 1)
@@ -155,9 +156,11 @@ class Checkpoints(CommandLine):
         self.assertEqual(process.returncode, 130, text)
         self.assertEqual(self.sums("c.exr")[0], [[0, 4]])
 
-        # Killed while the two generations change places, it leaves the newer one under the name of the other.
+        # A render that is killed between the two renamings leaves the newer generation under the name of the previous
+        # one.
         def kept():
-            """While the program runs, either may be on its way to the other's name."""
+            """Returns the number of saved samples. While the program runs, each generation may be without its name for
+            a moment."""
             found = [self.run_program("info", file, "--json") for file in ("c.exr", "c.previous.exr")]
             return max((json.loads(result.stdout)["samples"][0][1] for result in found if result.returncode == 0), default=0)
 
@@ -188,7 +191,7 @@ class Checkpoints(CommandLine):
         self.assertGreater(last[0][1], first[0][1])
 
     def test_a_checkpoint_that_can_t_be_written_stops_nothing(self):
-        # A limit on the size of files stands for a full disk; the picture is small enough.
+        # A limit on the size of files simulates a full disk; the image is small enough.
         limit = lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (800, 800))
         self.scene("slow.json", "camera a slow 20")
         text = self.ok("render", "slow.json", "--size", "9x7", "--spp", "30", "--checkpoint", "c.exr", "--every", "0.1", "-o", "a.png",
@@ -226,7 +229,7 @@ class Checkpoints(CommandLine):
         self.assertEqual(process.returncode, 130)
 
     def test_an_interrupt_while_loading_ends_at_once(self):
-        """The gate never opens: whoever waited for the file to be loaded would wait for ever."""
+        """The gate never opens, so the program must not wait until the file is loaded."""
         for number in signal.SIGINT, signal.SIGTERM, signal.SIGHUP:
             gate = Gate(self)
             self.scene("slow.json", f"camera a load-gate {gate.path}")
@@ -239,8 +242,8 @@ class Checkpoints(CommandLine):
             self.assertIn("interrupted before anything was rendered", text)
 
     def interrupt(self, process):
-        """Processor seconds from an interrupt to the end of the process, and what it printed meanwhile. Unlike a clock's, they are
-        the same on a machine that others use too."""
+        """Interrupts a process. Returns the processor time until it ends, which does not depend on the machine's load,
+        and what it printed meanwhile."""
         before = waiting.processor_seconds(process.pid)
         process.send_signal(signal.SIGTERM)
         said = process.stderr.read()
@@ -251,7 +254,7 @@ class Checkpoints(CommandLine):
         return usage.ru_utime + usage.ru_stime - before, said
 
     def test_an_interrupt_does_not_wait_for_a_long_pass(self):
-        """In the second of samples that take seconds each, and while it is learnt where light comes from."""
+        """Interrupts the program in the second pass of samples that take seconds each, and while it learns guiding."""
         if not PROGRAM:
             self.skipTest("needs the program")
         spheres = ", ".join('{"sphere": {"radius": %g}, "material": "white", "transform": [{"translate": [%d, 0, 0]}]}' % at
@@ -273,9 +276,9 @@ class Checkpoints(CommandLine):
         said = self.read_until(process, '"progress"')
         one_pass = waiting.processor_seconds(process.pid)
         seconds, rest = self.interrupt(process)
-        # What is written at the end is a part of it.
+        # The limit includes the time for writing files at the end.
         self.assertLess(seconds, one_pass / 2)
-        # One pass is kept, or more where the signal was late.
+        # One pass is kept, or more if the signal came late.
         self.assertEqual(json.loads(self.ok("info", "off.exr", "--json").stdout)["samples"], [[0, passes(said + rest)]])
 
         for _ in range(10):
@@ -285,7 +288,7 @@ class Checkpoints(CommandLine):
             seconds, said = self.interrupt(process)
             if passes(said) == 0:
                 break
-            os.remove(self.path("on.exr"))  # on a machine that was busy elsewhere for as long as a pass takes
+            os.remove(self.path("on.exr"))  # the machine was busy with other work for the duration of a pass
         self.assertLess(seconds, one_pass / 4)
         self.assertFalse(os.path.exists(self.path("on.exr")))
 
@@ -302,7 +305,7 @@ class Checkpoints(CommandLine):
         self.assertEqual(self.read("all.png"), self.read("whole.png"))
 
     def test_the_page_on_long_renders(self):
-        """Each of its commands, as it stands there and in its order."""
+        """The commands of the page work as they are written, in their order."""
         page = Path(__file__).parents[3] / "docs" / "long-renders.md"
         commands = [line.split() for line in page.read_text().splitlines() if line.lstrip().startswith("fathom ")]
         self.assertGreater(len(commands), 8)

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""The command line: what a file has several of, info, convert."""
+"""Tests of the command line: scenes, variants and cameras of a file, info, convert."""
 import json
 import os
 
@@ -18,7 +18,7 @@ class Choices(CommandLine):
         self.assertEqual((info["scenes"], info["variants"]), ([], []))
 
     def test_choices(self):
-        """What a file has several of: listed by info, chosen by name or number."""
+        """Scenes, variants and cameras of a file are listed by info, and selected by name or number."""
         self.scene("box.json", "camera main camera side camera side scene one scene two variant dawn variant dusk")
         text = self.ok("info", "box.json").stdout
         self.assertIn("0: main (perspective), 1: side (perspective), 2: side (perspective)", text)
@@ -29,7 +29,7 @@ class Choices(CommandLine):
         for chosen, name in (("0", "main"), ("1", "side"), ("main", "main"), ("side", "side")):
             words = self.ok("render", "box.json", "--spp", "1", "--camera", chosen).stderr
             self.assertIn(f"camera '{name}", words)
-        # The second of a name, too.
+        # A number also selects the second camera of the same name.
         self.scene("same.json", "camera main camera side aspect 2 camera side aspect 4")
         words = self.ok("render", "same.json", "--spp", "1", "--camera", "2").stderr
         self.assertIn("aspect 4", words)

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""The command line: bad input and output, what is never written over, full disks."""
+"""Tests of the command line: invalid input and output, files that are never overwritten, full disks."""
 import os
 import resource
 import shutil
@@ -35,7 +35,8 @@ class Files(CommandLine):
         self.refused(1, "render", "box.json", "--size", "70000x10", "-o", "a.jpg", words=["a.jpg", "70000x10"])
 
     def test_names_that_are_too_long(self):
-        """Refused before anything is rendered: by themselves, with what is added to them, or with their folders."""
+        """Names are refused before anything is rendered: for their own length, for that with a suffix, or for that of
+        their folders."""
         limit = os.pathconf(self.folder, "PC_NAME_MAX")
         longest = "x" * (limit - 4)
         before = sorted(os.listdir(self.folder))
@@ -44,7 +45,7 @@ class Files(CommandLine):
         self.refused(1, "render", "box.json", "-o", "a.png", "-o", "x" * 300 + ".exr", words=long_name)
         self.refused(1, "render", "box.json", "--checkpoint", longest + "x.exr", words=long_name)
         self.refused(1, "render", "box.json", "--checkpoint", "x" * (limit - 12) + ".exr", words=["NAME.previous.exr", str(limit + 1)])
-        # The last frame has a digit more than the first.
+        # The last frame has one digit more than the first.
         self.refused(1, "render", "box.json", "--frames", "9:10", "-o", "x" * (limit - 5) + "#.exr", words=long_name)
         self.refused(1, "render", "box.json", "--turntable", "11", "-o", "x" * (limit - 5) + "#.exr", words=long_name)
         folder = "/".join(["y" * 200] * 20)
@@ -70,7 +71,7 @@ class Files(CommandLine):
                            ("sky.exr", "a texture of this scene")):
             self.refused(1, "render", "box.json", "--env", "sky.exr", "-q", "-o", "new.png", "-o", name,
                          words=[f"fathom: {name} is {what}: choose another file with -o"])
-        # The name that is taken where none is given, and only that of what is really read.
+        # The default name of the output is checked, too; files that the scene does not read are not protected.
         self.refused(1, "render", "box.json", "-q", words=["box.png is a texture of this scene"])
         self.ok("render", "box.json", "-q", "--spp", "1", "-o", "sky.exr")
 
@@ -100,7 +101,7 @@ class Files(CommandLine):
             self.assertEqual(process.returncode, 1)
             self.assertEqual(png_size(self.path("a.png"))[:2], (800, 600))
             os.remove(self.path("a.png"))
-        # A reader that goes away, as `| head -1` does, while progress is told.
+        # The reader of the progress goes away, as `| head -1` does.
         process, gate = self.start_at_gate(2, "--spp", "20", "--progress", "json", "-o", "a.png")
         process.stderr.readline()
         process.stderr.close()
@@ -109,7 +110,7 @@ class Files(CommandLine):
         waiting.finish(process)
         self.assertEqual(process.returncode, 1)
         self.assertEqual(png_size(self.path("a.png"))[:2], (800, 600))
-        # Where there is nothing to be said nothing is lost.
+        # Closed streams are no error if there is nothing to print.
         process = waiting.run([DOUBLE, "version"], stderr=None, preexec_fn=lambda: os.close(2))
         self.assertEqual(process.returncode, 0)
 

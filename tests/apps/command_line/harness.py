@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What the tests of the command line share: a folder of their own, how the program is run, small files.
+"""Shared by the tests of the command line: a folder for each test, functions that run the program, and small files.
 
-Each is run as  THEME_test.py DOUBLE [PROGRAM [FAKE_OIDN]]
-    DOUBLE     the program with the library of double.cpp behind it
-    FAKE_OIDN  a stand-in for Open Image Denoise
+usage: THEME_test.py DOUBLE [PROGRAM [FAKE_OIDN]]
+    DOUBLE     the program with double.cpp in place of the library
+    PROGRAM    the program with its library
+    FAKE_OIDN  a fake of Open Image Denoise
 """
 import os
 import struct
@@ -17,7 +18,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "support"))
 import waiting  # noqa: E402
 
 DOUBLE, PROGRAM, FAKE_OIDN = ([os.path.abspath(path) for path in sys.argv[1:4]] + [None] * 3)[:3]
-# The leak check of a sanitized build needs a thread of its own; where a test takes that away, it can't run.
+# The leak check of a sanitized build needs a thread, so it can't run in tests that limit the number of threads.
 WITHOUT_LEAK_CHECK = {**os.environ, "ASAN_OPTIONS": "detect_leaks=0"}
 
 
@@ -27,12 +28,12 @@ def has_symbol(name):
 
 
 def is_thread_sanitized():
-    """The thread sanitizer has a thread of its own."""
+    """Whether the program is built with the thread sanitizer, which has a thread of its own."""
     return has_symbol(b"__tsan_init")
 
 
 def is_sanitized():
-    """A sanitizer needs /proc, and memory of its own."""
+    """Whether the program is built with a sanitizer, which needs /proc and additional memory."""
     return is_thread_sanitized() or has_symbol(b"__asan_init")
 
 
@@ -48,22 +49,22 @@ def png_size(path):
 
 
 class Gate:
-    """At which samples of a scene with the word `gate` wait, or loading with `load-gate` (double.cpp)."""
+    """A gate at which samples of a scene with the word `gate` wait, or loading of one with `load-gate` (double.cpp)."""
 
     def __init__(self, test):
-        # A folder of its own: tests look at all files of theirs.
+        # The gate has a folder of its own, because tests list all files of theirs.
         folder = tempfile.TemporaryDirectory()
         test.addCleanup(folder.cleanup)
         self.path = os.path.join(folder.name, "gate")
 
     def allow(self, count=10**9):
-        """So many samples from the first one on; for loading, 1 is enough."""
+        """Lets the first `count` samples pass; for loading, 1 is enough."""
         with open(self.path + ".part", "w") as file:
             file.write(str(count))
         os.replace(self.path + ".part", self.path)
 
     def step(self):
-        """The number of the sample that waits, or None."""
+        """Returns the number of the waiting sample, or None."""
         try:
             with open(self.path + ".waits") as file:
                 return int(file.read())
@@ -96,7 +97,8 @@ class CommandLine(unittest.TestCase):
         return waiting.run([program or DOUBLE, *arguments], cwd=self.folder, **options)
 
     def start_at_gate(self, samples, *arguments, words="", **options):
-        """A render, of 1,000 samples by default, that waits in the pass after so many, and its gate."""
+        """Starts a render, of 1,000 samples by default, and waits until it stops after `samples` samples; returns the
+        process and its gate."""
         gate = Gate(self)
         gate.allow(samples)
         self.scene("gated.json", f"camera a gate {gate.path} {words}")
@@ -117,7 +119,7 @@ class CommandLine(unittest.TestCase):
         self.addCleanup(end)
 
     def read_until(self, process, word):
-        """What a process prints to standard error up to the line with this word, which is to come."""
+        """Returns the standard error of a process up to the first line with this word; fails if there is none."""
         text = ""
         for line in process.stderr:
             text += line

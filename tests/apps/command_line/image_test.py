@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""The command line: what the options of a picture mean: size, camera, light, formats, denoising."""
+"""Tests of the command line: options for the image: size, camera, light, formats, denoising."""
 import json
 import math
 import os
@@ -12,7 +12,7 @@ from harness import CommandLine, FAKE_OIDN, PROGRAM, png_size, run_tests
 
 class Picture(CommandLine):
     def test_half_says_what_stays_float(self):
-        """65504 is the largest half: one value above it keeps its layer in float, and a line says so."""
+        """65504 is the largest half. A layer with a larger value stays float, which is reported."""
         if not PROGRAM:
             self.skipTest("the program itself is not given")
         for value in (65504, 70000):
@@ -24,7 +24,7 @@ class Picture(CommandLine):
             line = "a.exr: the image has values above 65504, which half can't hold: written as float\n"
             self.assertEqual(halves.count("65504"), 1 if value > 65504 else 0, halves)
             self.assertEqual(line in halves, value > 65504, halves)
-            # The type of the channel R in the list of channels: 1 is half, 2 is float.
+            # The channel list gives the type of the channel R: 1 is half, 2 is float.
             channels = self.read("a.exr")
             self.assertEqual(channels[channels.index(b"\0R\0") + 3], 2 if value > 65504 else 1)
             self.assertEqual(channels[channels.index(b"albedo.R\0") + 9], 1)
@@ -70,10 +70,10 @@ class Picture(CommandLine):
             self.assertIn(word, data)
 
     def test_quality(self):
-        """Lossy files are smaller the lower their quality, by the option too; where the option says nothing it is 95."""
+        """The lower --quality is, the smaller lossy files are; the default is 95."""
         if not PROGRAM:
             self.skipTest("no program given")
-        # The noise of one sample is detail.
+        # The noise of a single sample serves as detail.
         self.scene("detail.json", json.dumps({
             "fathom": 1, "camera": {"position": [0, 0, 3], "look_at": [0, 0, 0]},
             "environment": {"kind": "gradient", "bottom": [0, 0, 0]}, "materials": {"m": {"kind": "diffuse"}},
@@ -87,7 +87,7 @@ class Picture(CommandLine):
                 sizes[quality] = os.path.getsize(self.path(name))
             self.assertLess(1.2 * sizes["15"], sizes["60"], (ending, sizes))
             self.assertLess(1.2 * sizes["60"], sizes["95"], (ending, sizes))
-            # WebP is without loss by default.
+            # WebP is lossless by default.
             (self.assertGreater if ending == "webp" else self.assertEqual)(sizes[None], sizes["95"], (ending, sizes))
 
     def test_primaries(self):
@@ -135,12 +135,12 @@ class Picture(CommandLine):
         self.assertIn("at 30,20,100", text)
 
     def test_build(self):
-        """The tree is the one that has the picture done soonest, unless somebody says which."""
+        """The default BVH quality is the one that finishes the image soonest; an option or the scene overrides it."""
         def level(*arguments, scene="tree.json"):
             said = re.search(r"warning: build (\w+)", self.ok("render", scene, "--size", "40x20", *arguments).stderr)
             return said.group(1) if said else "standard"
         self.scene("tree.json", "camera a triangles 1000")
-        # 32 samples a triangle: 40 of each of 800 pixels.
+        # High quality needs 32 samples per triangle: 40 samples for each of 800 pixels.
         self.assertEqual(level("--spp", "40"), "high")
         self.assertEqual(level("--spp", "39"), "standard")
         self.assertEqual(level("--spp", "40", "--crop", "0,0,39,20"), "standard")
@@ -178,7 +178,7 @@ class Picture(CommandLine):
         self.assertIn("light: added a lamp, an exposure", text)
         self.assertIn("light file", self.ok("render", "dark.json", "--spp", "1", "--light", "file").stderr)
         self.assertIn("light studio", self.ok("render", "dark.json", "--spp", "1", "--light", "studio").stderr)
-        # A sky that is given is all the light.
+        # An environment given by an option is the only light.
         text = self.ok("render", "dark.json", "--spp", "1", "--env", "sky.hdr").stderr
         self.assertIn("light auto, its own", text)
         self.refused(2, "render", "dark.json", "--env", "sky.hdr", "--light", "studio", words=["give one"])
@@ -189,7 +189,7 @@ class Picture(CommandLine):
         self.scene("plain.json", "camera a")
         seen = lambda *options: self.ok("render", "plain.json", "--spp", "1", "--env", "sky.hdr", *options).stderr
         self.assertIn("sky.hdr towards 1.000,0.000,0.000 times 1\n", seen())
-        # Counter-clockwise seen from above: from +x (the right) to -z (ahead).
+        # The rotation is counterclockwise seen from above: from +x (the right) to -z (ahead).
         self.assertIn("sky.hdr towards 0.866,0.000,-0.500 times 0.25\n", seen("--env-rotate", "30", "--env-strength", "0.25"))
         for option in ("--env-rotate", "--env-strength"):
             self.refused(2, "render", "plain.json", option, "2", words=["no environment", "--env FILE"])
@@ -210,23 +210,26 @@ class Picture(CommandLine):
                      words=["leave out"])
 
     def test_the_sun_of_a_place_and_a_date(self):
-        """Against I. Reda, A. Andreas: Solar Position Algorithm for Solar Radiation Applications, 2008, table A5.1: at 39.742476 N,
-        105.1786 W, 2003-10-17 12:30:30, 7 hours behind, elevation 39.872046 before refraction, azimuth 194.340241."""
+        """The sun's position agrees with I. Reda, A. Andreas: Solar Position Algorithm for Solar Radiation
+        Applications, 2008, table A5.1:
+        at 39.742476 N, 105.1786 W, on 2003-10-17 at 12:30:30, UTC-7, elevation 39.872046 before refraction, azimuth
+        194.340241."""
         def towards(place, date):
             text = self.ok("render", "box.json", "--spp", "1", "--light", "sun", "--sun-place", place, "--sun-date", date).stderr
             return [float(x) for x in re.search(r"sky and sun at (\S+),(\S+),(\S+)\n", text).groups()]
         def expected(elevation, azimuth):
             e, a = math.radians(elevation), math.radians(azimuth)
-            return [math.cos(e) * math.sin(a), math.sin(e), -math.cos(e) * math.cos(a)]  # east, up, south
+            return [math.cos(e) * math.sin(a), math.sin(e), -math.cos(e) * math.cos(a)]  # components are east, up, south
         def near(found, expected):
             for a, b in zip(found, expected):
-                self.assertAlmostEqual(a, b, delta=7e-4)  # three digits are printed, 0.01 degrees is the method's
+                self.assertAlmostEqual(a, b, delta=7e-4)  # three digits are printed, and the method is accurate to 0.01 degrees
         for date in ("2003-10-17T12:30:30-07:00", "2003-10-17T19:30:30Z", "2003-10-18T01:00:30+05:30"):
             near(towards("39.742476,-105.1786", date), expected(39.872046, 194.340241))
-        # J. Meeus: Astronomical Algorithms, 1998, example 25.a: at this time the sun is over 7.785 S, and 176.580 E, its right
-        # ascension of 198.380 less the sidereal time of Greenwich, 21.801 (by his equation 12.4).
+        # By J. Meeus: Astronomical Algorithms, 1998, example 25.a, the sun is above 7.785 S, 176.580 E at this time:
+        # its right ascension is 198.380, and the sidereal time of Greenwich 21.801 (equation 12.4).
         near(towards("-7.785,176.580", "1992-10-13T00:00Z"), [0, 1, 0])
-        # At midsummer's noon it stands 23.44 degrees higher than at an equinox', in the south; in Sydney in the north.
+        # At noon of the summer solstice the sun is 23.44 degrees higher than at an equinox, and in the south; in Sydney
+        # it is in the north.
         self.assertAlmostEqual(towards("51.4769,0", "2026-06-21T12:02Z")[1], math.sin(math.radians(90 - 51.4769 + 23.44)), delta=1e-3)
         self.assertGreater(towards("51.4769,0", "2026-06-21T12:02Z")[2], 0.4)
         self.assertLess(towards("-33.87,151.21", "2026-06-21T02:00Z")[2], -0.4)
@@ -266,7 +269,7 @@ class Picture(CommandLine):
         text = self.ok(*render, "-o", "a.exr", "-o", "a.png", "--mergeable", env=there).stderr
         self.assertIn("denoising with Open Image Denoise 2.98.76 (" + FAKE_OIDN + ")\n", text)
         self.assertEqual(channels("a.exr"), {b"denoised.R", b"denoised.G", b"denoised.B"})
-        # The picture itself stays as it was, and a PNG shows the other.
+        # The noisy image is unchanged in the file, and a PNG shows the denoised one.
         self.ok(*render[:-1], "-o", "raw.png")
         self.ok("merge", "a.exr", "-o", "merged.png")
         self.ok("merge", "a.exr", "--denoise", "-o", "denoised.png", "-o", "m.exr", env=there)
@@ -274,7 +277,8 @@ class Picture(CommandLine):
         self.assertEqual(data["raw.png"], data["merged.png"])
         self.assertEqual(data["a.png"], data["denoised.png"])
         self.assertIn(b"denoised.R", channels("m.exr"))
-        # What helps the denoiser is left out again unless it is asked for; the stand-in for the library has no layers.
+        # Layers that guide the denoiser are removed unless an option asks for them; the test double of the library has
+        # no layers.
         if PROGRAM:
             self.scene("ball.json", '{"fathom": 1, "camera": {"position": [0, 0, 4], "look_at": [0, 0, 0]}, '
                                     '"environment": {"kind": "constant"}, "scene": [{"sphere": {"radius": 1}}]}')
@@ -286,7 +290,7 @@ class Picture(CommandLine):
             self.assertNotEqual(*(Path(self.path(name)).read_bytes() for name in ("c.png", "d.png")))
             self.ok(*ball, "--aov", "normal", program=PROGRAM, env=there)
             self.assertEqual({name[:8] for name in channels("b.exr")}, {b"denoised", b"normal.X", b"normal.Y", b"normal.Z"})
-        # Where it is left open the picture is denoised if it can be, and else a line says why not.
+        # --denoise auto denoises the image if it can, and otherwise reports why not.
         for words in (["--denoise", "auto"], ["--denoise=auto"]):
             text = self.ok(*render[:-1], *words, "-o", "auto.png", env=there).stderr
             self.assertIn("denoising with Open Image Denoise 2.98.76", text)
@@ -296,17 +300,18 @@ class Picture(CommandLine):
         self.assertEqual(Path(self.path("auto.png")).read_bytes(), data["raw.png"])
         self.refused(2, *render[:-1], "--denoise=perhaps", words=["--denoise", "perhaps"])
         self.ok("render", "--denoise", "box.json", "--spp", "1", "-o", "auto.png", env=there)
-        # Asked for and not there: told before anything is rendered.
+        # If a denoiser is required but missing, the command fails before anything is rendered.
         self.refused(1, *render, "-o", "new.png", words=["/none.so: FATHOM_OIDN"], env={**there, "FATHOM_OIDN": "/none.so"})
         self.assertFalse(os.path.exists(self.path("new.png")))
         away = {"PATH": self.folder, "HOME": self.folder}
         result = self.run_program(*render, "-o", "new.png", env=away)
-        if result.returncode:  # else the system has one
+        if result.returncode:  # it succeeds if the system has the library
             self.assertEqual(result.stderr.count("\n"), 1)
             self.assertIn("pip install pyoidn", result.stderr)
 
     def test_fireflies(self):
-        """A small lamp seen through glass: dots, told and counted; gone with a limit that is told, kept in files and asked of parts."""
+        """A small lamp seen through glass makes fireflies. They are reported with a limit that removes them; films
+        store the limit, and parts must agree on it."""
         if not PROGRAM:
             self.skipTest("no program given")
         self.scene("room.json", json.dumps({
@@ -340,7 +345,7 @@ class Picture(CommandLine):
         self.refused(1, "merge", "all.exr", "c.exr", "-o", "x.exr", words=["c.exr", "clamp_indirect is none"], program=PROGRAM)
 
     def test_guiding_by_itself(self):
-        """It is used where it is worth the time, and parts that are to be merged agree on it."""
+        """Guiding is used if it is worth the time. Parts that will be merged agree on it."""
         for options, guiding in [(["--spp", "1365"], "off"), (["--spp", "1366"], "on"), (["--time", "0.1"], "off"),
                                  (["--samples", "0:1"], "on"), (["--spp", "1", "--mergeable"], "on"),
                                  (["--samples", "0:1", "--guiding", "off"], "off"), (["--spp", "1", "--guiding", "on"], "on"),

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""The command line: what info tells of scenes of each format."""
+"""Tests of the command line: fathom info for scenes of each format."""
 import base64
 import json
 import math
@@ -101,7 +101,7 @@ class Info(CommandLine):
                 self.assertRegex(text, rf" kB  {file}\n")
 
     def test_noise_of_a_crop(self):
-        """Mean and error are of the pixels that were rendered: those outside a crop are black, and have none."""
+        """Mean and error are those of the rendered pixels; pixels outside a crop are black and have none."""
         self.put("even.json", json.dumps({
             "fathom": 1, "camera": {"position": [0, 0, 3], "look_at": [0, 0, 0]}, "environment": {"kind": "constant", "color": [0.5, 0.5, 0.5]},
             "materials": {"m": {"kind": "diffuse", "color": [0.5, 0.5, 0.5]}}, "scene": [{"sphere": {"center": [0, 0, 0], "radius": 0.5}, "material": "m"}]}))
@@ -112,7 +112,7 @@ class Info(CommandLine):
             self.assertAlmostEqual(noise("--crop", crop)["mean"], 0.5, places=6)
         whole, middle, all_of_it = noise(), noise("--crop", "5,5,15,15"), noise("--crop", "0,0,20,20")
         self.assertEqual(all_of_it, whole)
-        # The ball is noisier than the picture around it, which is even.
+        # The ball is noisier than the uniform background.
         self.assertGreater(middle["standard_error"], whole["standard_error"])
 
     def test_sizes(self):
@@ -150,13 +150,13 @@ class Info(CommandLine):
         self.assertEqual(info["lights"][0]["kind"], "point")
         self.assertEqual(info["lights"][0]["intensity"], [1, 2, 3])
         self.assertEqual(info["cameras"][0]["kind"], "perspective")
-        # Mitsuba's angle is the horizontal one.
+        # Mitsuba's angle of view is the horizontal one.
         self.assertAlmostEqual(info["cameras"][0]["fov_y_deg"], math.degrees(2 * math.atan(math.tan(math.radians(20)) / 2)))
         self.assertEqual((info["settings"]["width"], info["settings"]["height"], info["settings"]["spp"]), (32, 16, 9))
         self.assertRegex(self.ok("info", "a.xml", program=PROGRAM).stdout, r"settings +width 32, height 16, spp 9")
 
     def test_what_is_left_out(self):
-        """Each once, with how often; by the same words as render says them."""
+        """Each ignored feature is reported once with its count, in the words of `fathom render`."""
         def told(name):
             return {w["message"]: w["count"] for w in self.info(name)["warnings"]}
         self.assertEqual(told("a.obj"), {"a.obj: line elements are ignored": 2})

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""The command line: what of the machine it takes, --memory and --nice."""
+"""Tests of the command line: limits on memory and threads, --memory and --nice."""
 import json
 import os
 import re
@@ -16,7 +16,7 @@ BALL = json.dumps({"fathom": 1, "camera": {"position": [0, 0, 4], "look_at": [0,
 
 class Limits(CommandLine):
     def started(self, *words):
-        """The program once it renders; ended at the end of the test."""
+        """Starts a program and returns it when it renders; it is ended after the test."""
         process = subprocess.Popen(words, cwd=self.folder, stderr=subprocess.PIPE, text=True)
         self.addCleanup(process.stderr.close)
         self.addCleanup(process.wait)
@@ -58,13 +58,14 @@ class Limits(CommandLine):
 
     @unittest.skipUnless(PROGRAM and os.path.exists(PROGRAM), "no program given")
     def test_the_limit_is_kept(self):
-        """A film of 1,000 x 1,000 as a picture, a film, and a checkpoint: refused below what it needs, and within that otherwise."""
+        """A film of 1,000 x 1,000 pixels, written as image, film and checkpoint, is refused with less memory than it
+        needs, and stays within the limit otherwise."""
         if is_sanitized():
             self.skipTest("a sanitizer takes memory of its own")
         self.scene("ball.json", BALL)
         words = ["render", "ball.json", "--size", "1000x1000", "--spp", "2", "-o", "a.exr", "-o", "a.png", "--checkpoint", "c.exr"]
         message = self.run_program(*words, "--memory", "20M", program=PROGRAM).stderr
-        needed = int(re.search(r"needs about (\d+) MB", message)[1]) + 3  # libraries take a MB more or less from run to run
+        needed = int(re.search(r"needs about (\d+) MB", message)[1]) + 3  # libraries take a varying number of MB
         self.refused(1, *words, "--memory", f"{needed - 20}M", program=PROGRAM)
         result = self.run_program(*words, "--memory", f"{needed}M", "--progress", "json", program=PROGRAM)
         self.assertEqual(result.returncode, 0, result.stderr)
@@ -79,7 +80,7 @@ class Limits(CommandLine):
 
     @unittest.skipUnless(PROGRAM and os.path.exists(PROGRAM) and shutil.which("taskset"), "no program, or no taskset")
     def test_affinity(self):
-        """Where it may use one core there is one thread."""
+        """The program uses a single thread if it may use only one core."""
         self.scene("ball.json", BALL)
         core = str(min(os.sched_getaffinity(0)))
         process = self.started("taskset", "-c", core, PROGRAM, "render", "ball.json", "--size", "400x300", "--spp", "1000000",

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""The command line: parts of a picture, and merging them."""
+"""Tests of the command line: parts of an image, and merging them."""
 import json
 import os
 from pathlib import Path
@@ -20,7 +20,7 @@ class Parts(CommandLine):
         self.assertIn("16 samples per pixel: 0:16", result.stderr)
         with open(self.path("whole.png"), "rb") as one, open(self.path("all.png"), "rb") as other:
             self.assertEqual(one.read(), other.read())
-        # What is merged can be merged again.
+        # A merged film can be merged again.
         self.ok(*self.merge_key("--samples", "16:20", "-o", "c.exr"))
         self.assertIn(": 0:20", self.ok("merge", "all.exr", "c.exr", "-o", "more.exr", "--no-sums").stderr)
         self.refused(1, "merge", "more.exr", "-o", "x.png", words=["more.exr", "--mergeable"])
@@ -35,7 +35,7 @@ class Parts(CommandLine):
         self.refused(1, "merge", "cut.exr", "-o", "x.png", words=["cut.exr"])
 
     def test_parts_may_be_counted_from_0(self):
-        """Schedulers count so; 3+1/4 is 4/4."""
+        """Schedulers count tasks from 0, so 3+1/4 is 4/4."""
         for index, samples in enumerate(("0:4", "4:8", "8:12", "12:16")):
             self.ok(*self.merge_key("--spp", "16", "--part", f"{index}+1/4", "-o", f"{index}.exr"))
             self.assertIn(f" {samples}", self.ok("info", f"{index}.exr").stdout)
@@ -76,7 +76,7 @@ class Parts(CommandLine):
         self.assertEqual(info["layers"], ["image"])
         self.assertIn("guiding=1", info["settings"])
         self.assertEqual(info["attributes"]["fathom.scene"], "box.json")
-        # Samples of s * 7 % 16 / 16: 14, 5, 12 and 3 sixteenths.
+        # Samples have the values s * 7 % 16 / 16: 14, 5, 12 and 3 sixteenths.
         values = [x / 16 for x in (14, 5, 12, 3)]
         mean = sum(values) / 4
         error = (sum((x - mean) ** 2 for x in values) / 4 / 3) ** 0.5

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""The command line: time, progress, signals, threads."""
+"""Tests of the command line: time limits, progress, signals, threads."""
 import fcntl
 import json
 import os
@@ -22,7 +22,7 @@ class Running(CommandLine):
         text = self.ok("render", "slow.json", "--time", "0.8s", "--size", "4x4").stderr
         samples = int(re.search(r"(\d+) samples per pixel", text).group(1))
         self.assertGreater(samples, 0)
-        self.assertLess(samples, 256)  # those that there would be without a limit of time
+        self.assertLess(samples, 256)  # without a time limit there would be 256
         self.assertIn(" 1 samples per pixel", self.ok("render", "slow.json", "--time", "0.001", "--size", "4x4").stderr)
         self.assertIn(" 3 samples per pixel", self.ok("render", "slow.json", "--time", "1h", "--spp", "3").stderr)
 
@@ -37,7 +37,7 @@ class Running(CommandLine):
         kinds = [event["event"] for event in events]
         for kind in ("progress", "warning", "written", "summary"):
             self.assertIn(kind, kinds)
-        # Loading that takes less is not reported.
+        # Loading is reported only if it takes longer.
         for event in events:
             if event["event"] == "phase":
                 self.assertGreaterEqual(event["elapsed_s"], 0.5)
@@ -71,7 +71,7 @@ class Running(CommandLine):
         self.assertEqual(set(stats[0]["stages"]), {"trace", "light"})
 
     def test_the_last_line_of_progress_is_told_once(self):
-        # Two passes, each long enough to be told of: the end of the second is the end of all.
+        # There are two passes, each long enough to be reported; the end of the second is the end of the render.
         self.scene("slow.json", "camera a slow 700")
         text = self.ok("render", "slow.json", "--spp", "2", "--size", "4x4", "--progress", "json").stderr
         done = [event["done"] for event in map(json.loads, text.splitlines()) if event["event"] == "progress"]
@@ -93,7 +93,8 @@ class Running(CommandLine):
         self.assertEqual(process.returncode, 0)
 
     def in_terminal(self, columns, gate, *arguments):
-        """What the program writes to a terminal so wide. The gate opens once loading is reported there."""
+        """Returns what the program writes to a terminal with this number of columns. The gate opens once loading is
+        reported there."""
         ours, its = pty.openpty()
         fcntl.ioctl(its, termios.TIOCSWINSZ, struct.pack("HHHH", 24, columns, 0, 0))
         process = subprocess.Popen([DOUBLE, *arguments], cwd=self.folder, stderr=its)
@@ -138,7 +139,7 @@ class Running(CommandLine):
             process, gate = self.start_at_gate(3, "--size", "4x4", "--progress", "json", "-o", "a.png")
             process.send_signal(number)
             text = self.read_until(process, "interrupted")
-            gate.allow(4)  # the pass that was under way
+            gate.allow(4)  # finishes the current pass
             text += waiting.finish(process)[1]
             self.assertEqual(process.returncode, 130, text)
             summary = [json.loads(line) for line in text.splitlines() if '"summary"' in line]
@@ -155,7 +156,7 @@ class Running(CommandLine):
         self.assertEqual(process.returncode, 0)
 
     def test_second_interrupt_stops(self):
-        """The pass under way when both signals come never ends."""
+        """The current pass never ends, so the second signal must end the program."""
         process, _ = self.start_at_gate(2, "--size", "4x4", "--progress", "json", "-o", "a.png")
         process.send_signal(signal.SIGINT)
         self.read_until(process, "interrupted")
@@ -165,7 +166,8 @@ class Running(CommandLine):
         self.assertEqual(sorted(os.listdir(self.folder)), ["box.json", "gated.json"])
 
     def test_an_echo_is_no_second_signal(self):
-        """A scheduler signals a job and its processes, and the job's script passes that on: within two seconds that is one request."""
+        """A scheduler signals a job and its processes, and the job's script passes the signal on: within two seconds
+        both count as one request."""
         def is_handled(process):
             return not any(waiting.has_signal(process.pid, mask, signal.SIGTERM) for mask in ("ShdPnd", "SigPnd"))
 
@@ -180,7 +182,7 @@ class Running(CommandLine):
             took_s = time.monotonic() - begin
             gate.allow(3)
             waiting.finish(process)
-            # On a slow machine the later signals may be too late to be echoes: that says nothing.
+            # A slow machine may take so long that the later signals are not echoes; the attempt then proves nothing.
             if took_s < 1:
                 self.assertEqual(process.returncode, 130)
                 self.assertIn("a.png", os.listdir(self.folder))
@@ -193,7 +195,7 @@ class Running(CommandLine):
         self.scene("sphere.json", '{"fathom": 1, "scene": [{"sphere": {"radius": 1}}]}')
         os.chmod(self.folder, 0o777)
 
-        # The limit counts all processes of a user: each run of this test has one of its own.
+        # The limit counts all processes of a user, so each run of this test has a user of its own.
         user = 20000 + os.getpid() % 40000
 
         def become_nobody(processes):
@@ -206,7 +208,7 @@ class Running(CommandLine):
             self.skipTest("another user can't run the program here")
         render = ["render", "sphere.json", "--spp", "4", "--size", "64x64"]
         self.ok(*render, "-o", "alone.exr", "-o", "alone.png", program=PROGRAM)
-        # One of those that can be started shows progress, and one writes checkpoints.
+        # One of the threads that can be started shows progress, and one writes checkpoints.
         for processes, told in (2, 1), (3, 1), (6, 4):
             for more in [], ["--progress", "json"], ["--checkpoint", "c.exr", "--every", "0.001s"]:
                 result = self.run_program(*render, "--threads", "16", "-o", "a.exr", "-o", "a.png", *more, program=PROGRAM,

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""The command line: frames of an animation and turntables."""
+"""Tests of the command line: frames of an animation and turntables."""
 import base64
 import json
 import os
@@ -12,7 +12,7 @@ from harness import CommandLine, PROGRAM, run_tests
 
 
 def pixels_of_hdr(path):
-    """The colours of a Radiance picture, as a flat list: rows of run lengths."""
+    """Returns the colors of a Radiance HDR image as a flat list. The rows must be run-length encoded."""
     data = Path(path).read_bytes()
     height, width = map(int, re.search(rb"\n-Y (\d+) \+X (\d+)\n", data).groups())
     at, values = data.index(b"\n", data.index(b"\n-Y ") + 1) + 1, []
@@ -29,8 +29,8 @@ def pixels_of_hdr(path):
 
 
 def walking_model():
-    """Two triangles, one of which moves and turns, one that bends by a target, a lamp whose light changes, a camera that
-    goes back."""
+    """Returns a glTF model with animations: a triangle that moves and rotates, one that is deformed by a morph target,
+    a light that changes, and a camera that moves back."""
     def floats(*values):
         return struct.pack(f"<{len(values)}f", *values)
     pieces = [floats(0, 0, 0, 1, 0, 0, 0, 1, 0), floats(0, 0, 1, 0, 0, -1, 1, 1, 0), floats(0, .5, 1), floats(0, 1, .3),
@@ -73,7 +73,7 @@ class Series(CommandLine):
         self.assertRegex(self.ok("info", "walk.json").stdout, r"animations +0: stride \(2 s;")
         info = json.loads(self.ok("info", "walk.json", "--json").stdout)
         self.assertEqual(info["animations"], [{"name": "stride", "duration_s": 2.0, "channels": 1}])
-        # The camera goes a metre a second, and stops at the end.
+        # The camera moves one meter per second and stops at the end.
         for time_s, x in (("0", "0"), ("1.5", "1.5"), ("1.5s", "1.5"), ("7", "2")):
             words = self.ok("render", "walk.json", "--spp", "1", "--at", time_s).stderr
             self.assertIn(f"camera 'main' at {x},0,0", words)
@@ -86,11 +86,11 @@ class Series(CommandLine):
                          {"a.008.png", "a.010.png", "a.012.png", "b8.png", "b10.png", "b12.png"})
         for x in ("1", "1.25", "1.5"):
             self.assertEqual(words.count(f"camera 'main' at {x},0,0"), 1, words)
-        # The shutter is open for a share of a frame, not of a second.
+        # --shutter is a fraction of a frame, not of a second.
         for words, seconds in ((["--frames", "3", "--fps", "8"], "0.0625"), (["--at", "1"], "0.0208333"), (["--at", "1", "--fps", "4"], "0.125")):
             self.assertIn(f"shutter from 0 to {seconds}", self.ok("render", "walk.json", "--spp", "1", "--shutter", "0.5", *words).stderr)
         self.assertNotIn("shutter", self.ok("render", "walk.json", "--spp", "1", "--at", "1").stderr)
-        # What the options make of a camera goes with it.
+        # Options that change a camera apply to each frame.
         words = self.ok("render", "walk.json", "--spp", "1", "--frames", "0:1", "--fps", "2", "--fov", "30", "-o",
                         "c.#.png").stderr
         for x in ("0", "0.5"):
@@ -118,7 +118,7 @@ class Series(CommandLine):
         self.refused(1, "render", "box.json", "--at", "1", words=["there is no animation"])
 
     def test_turntable(self):
-        """Pictures from all around, of a scene that is compiled once."""
+        """A turntable renders images from all around a scene that is compiled once."""
         before = set(os.listdir(self.folder))
         words = self.ok("render", "box.json", "--spp", "1", "--turntable", "4", "-o", "t.###.png", "-o", "t#.exr").stderr
         self.assertEqual(set(os.listdir(self.folder)) - before, {f"t.00{i}.png" for i in range(4)} | {f"t{i}.exr" for i in range(4)})
@@ -145,8 +145,8 @@ class Series(CommandLine):
         self.refused(2, "render", "box.json", "--turntable", "3", "-o", "a.png", words=["a.png", "####"])
 
     def test_a_turntable_goes_around(self):
-        """With the library: the first picture has the bits of a run of its own, the others those of runs that begin there, but
-        for the rounding of positions, which are relative to the first camera. Turned the other way they differ by far more."""
+        """The first image has the bits of a separate run. The others have those of separate runs from these positions,
+        except for the rounding of positions relative to the first camera; turned the other way they differ by far more."""
         if not PROGRAM:
             self.skipTest("no program given")
         with open(self.path("model.gltf"), "w") as file:
@@ -176,7 +176,7 @@ class Series(CommandLine):
         self.ok("render", "walk.json", "--spp", "1", "--frames", "0:2", "-o", "t.####.png")
 
     def test_all_animations_at_once(self):
-        """With the library: a file whose animations each move one thing shows what one animation of all would."""
+        """A file whose animations each move one thing shows what a single animation of all things shows."""
         if not PROGRAM:
             self.skipTest("no program given")
         model = walking_model()
@@ -187,26 +187,26 @@ class Series(CommandLine):
                                for i, channel in enumerate(one["channels"])]
         with open(self.path("apart.gltf"), "w") as file:
             json.dump(model, file)
-        # Early, when nothing has left the picture yet.
+        # The time is early, when nothing has left the image yet.
         common = ["-q", "--spp", "2", "--size", "64x48", "--at", "0.2", "--light", "file", "-o", "a.hdr"]
         def pixels(name, *options):
             self.ok("render", name, *common, *options, program=PROGRAM)
             return pixels_of_hdr(self.path("a.hdr"))
         self.assertEqual(pixels("apart.gltf", "--animation", "all"), pixels("one.gltf"))
-        # Each is seen to be part of it.
+        # Leaving out any of the animations changes the image.
         for left_out in range(len(model["animations"])):
             rest = {**model, "animations": [a for i, a in enumerate(model["animations"]) if i != left_out]}
             with open(self.path("rest.gltf"), "w") as file:
                 json.dump(rest, file)
             self.assertNotEqual(pixels("rest.gltf", "--animation", "all"), pixels("one.gltf"), f"without part {left_out}")
-        # One that has the name is meant.
+        # If an animation is named "all", the name selects it.
         model["animations"][1]["name"] = "all"
         with open(self.path("named.gltf"), "w") as file:
             json.dump(model, file)
         self.assertEqual(pixels("named.gltf", "--animation", "all"), pixels("named.gltf", "--animation", "1"))
 
     def test_frames_of_a_file_are_its_poses(self):
-        """With the library: each frame has the bits of a run of its own, whatever moves."""
+        """Each frame has the bits of a separate run, whatever moves."""
         if not PROGRAM:
             self.skipTest("no program given")
         with open(self.path("model.gltf"), "w") as file:

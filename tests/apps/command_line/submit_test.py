@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""fathom submit and status, as far as they go without a scheduler: tests/apps/distributed has a real one."""
+"""Tests of fathom submit and status without a scheduler; tests/apps/distributed runs a real one."""
 import json
 import os
 import re
@@ -8,8 +8,8 @@ import subprocess
 
 from harness import PROGRAM, CommandLine, run_tests
 
-# A value of each option of `fathom submit` that says what the picture is, by who gets it: the tasks that render parts of
-# it, or the one that merges them. None: an option without a value.
+# A value for each option of `fathom submit` that affects the image, by the command that gets it: the tasks that render
+# parts, or the job that merges them. None: an option without a value.
 OF_TASKS = {
     "--scene": "s", "--variant": "v", "--up-axis": "y", "--define": "a=b", "--confine": None, "--memory": "2G", "--nice": "3",
     "--animation": "all", "--at": "1", "--size": "40x30", "--camera": "side", "--look-from": "1,2,3", "--look-at": "4,5,6",
@@ -25,11 +25,11 @@ OF_MERGE = {
     "--ocio-view": "v", "--ocio-look": "l", "--ocio-input": "i", "--png-bits": "16", "--quality": "80", "--exr": "half",
     "--exr-primaries": "acescg",
 }
-# Flags that may have a word: each form, and what the merge is told.
+# Flags with an optional word: each form, and the words that the merge gets.
 WORDS_OF_FLAGS = {"--denoise": ("--denoise", "--denoise=auto")}
 OWN = {"--help", "--output", "--spp", "--slurm", "--parts", "--partition", "--time", "--account", "--cpus-per-task", "--sbatch",
        "--fix", "--dry-run", "--unchecked", "--quiet"}
-# Options that another one needs, or that contradict what the others say.
+# Options that must be given with other options.
 TOGETHER = {"--ocio-display": ["--ocio", "ocio://default"], "--ocio-view": ["--ocio", "ocio://default"],
             "--ocio-look": ["--ocio", "ocio://default"], "--ocio-input": ["--ocio", "ocio://default"],
             "--sun-elevation": ["--light", "sun"], "--sun-azimuth": ["--light", "sun"], "--sun-direction": ["--light", "sun"],
@@ -49,7 +49,7 @@ class Submit(CommandLine):
         return task, merge
 
     def words_of(self, script, command):
-        """What a shell makes of the line that has the command."""
+        """Returns the words that a shell makes of the script's line with this command."""
         line = next(line for line in script.splitlines() if command in line).removeprefix("exec ").rstrip(" &")
         show = "render() { printf '%s\\n' \"$@\"; }; film=FILM SLURM_ARRAY_TASK_ID=2\n" + line.replace(line.split()[0], "render", 1)
         return subprocess.run(["bash", "-c", show], check=True, capture_output=True, text=True).stdout.splitlines()
@@ -150,7 +150,7 @@ class Submit(CommandLine):
                      env={**os.environ, "PATH": "/nowhere"})
 
     def test_noise_of_parts_together(self):
-        """Errors of independent means: each part's, weighted by its share of the samples, adds by its square."""
+        """Errors of independent parts add by their squares, weighted by each part's fraction of the samples."""
         if not PROGRAM:
             self.skipTest("no program given")
         real = lambda *words: self.ok(*words, program=PROGRAM)

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""The command line: what is refused, and help. cli_docs_test.py compares help with docs/cli.md."""
+"""Tests of the command line: invalid options, and help. cli_docs_test.py compares help with docs/cli.md."""
 import re
 
 from harness import CommandLine, PROGRAM, run_tests

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""The command line: what is written, and nothing else. By strace, which sees every name that is opened to write."""
+"""Tests that the program writes only the expected files. strace shows each name that is opened for writing."""
 import os
 import re
 import shutil
@@ -10,7 +10,7 @@ import unittest
 from harness import DOUBLE, CommandLine, run_tests, waiting
 
 CALLS = "open,openat,openat2,creat,truncate,rename,renameat,renameat2,link,linkat,symlink,symlinkat,mkdir,mkdirat,unlink,unlinkat,rmdir"
-# Of the system, nobody's file, or the thread sanitizer's.
+# Exceptions: devices, names in /proc, and files of the thread sanitizer.
 ALLOWED = re.compile(r"/dev/(null|tty)|/proc/self/(fd/\d+|task/\d+/comm)|/tmp/tsan\.rodata\.\d+")
 
 
@@ -21,7 +21,7 @@ def can_trace():
 @unittest.skipUnless(can_trace(), "strace can't be used here")
 class Writes(CommandLine):
     def written(self, *words):
-        """Every path that was opened to write, made, renamed or removed, as the real one."""
+        """Returns the real path of each file that was opened for writing, created, renamed or removed."""
         log = self.path("strace.log")
         environment = {**os.environ, "ASAN_OPTIONS": "detect_leaks=0"}
         waiting.run(["strace", "-f", "-qq", "-s", "4096", "-o", log, "-e", "trace=" + CALLS, DOUBLE, *words], cwd=self.folder, check=True,
@@ -56,7 +56,7 @@ class Writes(CommandLine):
         self.check(names, *words, "--spp", "8")
 
     def test_what_a_film_says_names_no_file(self):
-        """Names of scenes and outputs in films are told, not used."""
+        """Names of scenes and outputs that a film stores are printed, but never used as file names."""
         os.mkdir(self.path("out"))
         self.scene("..\u2215..\u2215x.json", "camera main")
         for i in "12":

@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Pictures by ranks of a real Open MPI: the bits of one process, whatever is killed.
+"""Tests that images rendered by ranks of a real Open MPI have the bits of one process, whichever ranks are killed.
 
     mpi_test.py PROGRAM PICTURE_HASH SCENE
 
-Ends with 77, and says why, where there is no mpirun, or the program was built without MPI.
+Exits with 77, printing the reason, if there is no mpirun or the program was built without MPI.
 """
 import glob
 import json
@@ -23,17 +23,17 @@ sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."
 import waiting  # noqa: E402
 
 PROGRAM, HASH, SCENE = (os.path.abspath(path) for path in sys.argv[1:4])
-# As root, with more ranks than cores.
+# The tests may run as root, with more ranks than cores.
 MPI = {**os.environ, "OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1",
        "OMPI_MCA_rmaps_base_oversubscribe": "1",
-       # A sanitized build would end with an error for what Open MPI itself never frees.
+       # Open MPI never frees some memory, which would make a sanitized build fail.
        "ASAN_OPTIONS": "detect_leaks=0"}
 SIZE = ("--size", "200x150")
 MODULE = "libfathom_mpi.so"
 
 
 def trouble():
-    """Why nothing can be tested, or None."""
+    """Returns the reason why nothing can be tested, or None."""
     if not shutil.which("mpirun"):
         return "there is no mpirun (scripts/test-cluster.sh installs Open MPI)"
     if not os.path.exists(os.path.join(os.path.dirname(PROGRAM), "..", "lib", MODULE)):
@@ -45,7 +45,7 @@ def trouble():
 
 
 def rank_of(process):
-    """Of a process of ours, or None."""
+    """Returns the rank of a process if it runs the program, else None."""
     try:
         with open(f"/proc/{process}/environ", "rb") as file:
             words = dict(word.split(b"=", 1) for word in file.read().split(b"\0") if b"=" in word)
@@ -59,7 +59,7 @@ def rank_of(process):
 class Ranks(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
-        """A picture that takes sixteen seconds of processor time, as one process makes it."""
+        """Renders an image that takes sixteen seconds of processor time in one process."""
         cls.common = tempfile.mkdtemp(prefix="fathom-mpi-")
         cls.addClassCleanup(shutil.rmtree, cls.common, ignore_errors=True)
         film = os.path.join(cls.common, "second.exr")
@@ -92,14 +92,15 @@ class Ranks(unittest.TestCase):
         return self.run_words("mpirun", "-n", str(count), PROGRAM, "render", SCENE, *words, **options)
 
     def time_to_keep(self):
-        """How long mpirun waits before it ends ranks, and then before it kills them. It always waits all of that, so it can't just be
-        long: it is several times what a short run of as many ranks takes at the moment, with all that else goes on here."""
+        """Returns the setting of the time that mpirun waits before it ends ranks, and then before it kills them. It
+        always waits for all of it, so the time is not simply long, but several times what a short run of as many ranks
+        takes under the current load."""
         begin = time.monotonic()
         self.ranks(3, *SIZE, "--spp", "6", "--mergeable", "-q", "-o", os.path.join(self.common, "few.exr"))
         return {"OMPI_MCA_odls_base_sigkill_timeout": str(math.ceil(1 + 4 * (time.monotonic() - begin)))}
 
     def start(self, count, *words):
-        """Ranks at work, as those who started them see them, and their processes by rank."""
+        """Starts ranks and waits until all of them have rendered. Returns mpirun and the processes by rank."""
         log = open(self.path("log"), "w")
         self.addCleanup(log.close)
         mpirun = subprocess.Popen(["mpirun", "-n", str(count), PROGRAM, "render", SCENE, *words],
@@ -110,10 +111,10 @@ class Ranks(unittest.TestCase):
         def started():
             found = waiting.run(["ps", "-o", "pid=", "--ppid", str(mpirun.pid)]).stdout
             processes = {rank_of(pid): int(pid) for pid in found.split() if rank_of(pid) is not None}
-            # The first words come when all have met.
+            # The first line is printed when all ranks have met.
             return processes if len(processes) == count and "ranks on" in self.log() else None
         processes = waiting.wait_for("the ranks to meet", started, seen=self.log, stop=waiting.ended(mpirun, "mpirun"), pause_s=0.1)
-        # So much more processor time, and all have rendered.
+        # All ranks have rendered once each has used another second of processor time.
         used = {process: waiting.processor_seconds(process) for process in processes.values()}
         waiting.wait_for("samples of all ranks", lambda: all(waiting.processor_seconds(process) > seconds + 1
                                                              for process, seconds in used.items()),
@@ -150,7 +151,7 @@ class Ranks(unittest.TestCase):
                 self.assertEqual(self.info("out.exr")[what], self.info("whole.exr")[what])
 
     def test_samples_add_up(self):
-        """Parts, crops, series and time, as one process has them."""
+        """Parts, crops, series and time limits give the image of one process."""
         self.alone("--size", "90x70", "--samples", "7:40", "--crop", "20,10,60,50", "-o", "whole.exr")
         self.ranks(3, "--size", "90x70", "--samples", "7:40", "--crop", "20,10,60,50", "-o", "part.exr")
         self.assertEqual(self.hash_of("part.exr"), self.hash_of("whole.exr"))
@@ -158,7 +159,8 @@ class Ranks(unittest.TestCase):
         self.ranks(3, "--size", "60x40", "--spp", "20", "--turntable", "2", "-o", "b#.exr")
         for number in (0, 1):
             self.assertEqual(self.hash_of(f"a{number}.exr"), self.hash_of(f"b{number}.exr"))
-        # On a slow machine a short time may be over when the ranks have met: then there is one sample, and a longer time gives more.
+        # A short time may be over on a slow machine before the ranks have met, which leaves one sample; a longer time
+        # then gives more.
         for seconds in "2", "20", "200":
             self.ranks(2, "--size", "90x70", "--time", seconds, "--mergeable", "-o", "time.exr")
             (first, last), = self.info("time.exr")["samples"]
@@ -171,7 +173,7 @@ class Ranks(unittest.TestCase):
         self.assertEqual(self.hash_of("time.exr"), self.hash_of("same.exr"))
 
     def test_guided_by_the_same(self):
-        """Each learns for itself where light comes from."""
+        """Each rank learns guiding by itself, with the same result."""
         scene = os.path.join(os.path.dirname(SCENE), "model.json")
         options = ("--size", "64x48", "--spp", "6", "--guiding", "on")
         self.run_words(PROGRAM, "render", scene, *options, "-o", "whole.exr")
@@ -179,7 +181,7 @@ class Ranks(unittest.TestCase):
         self.assertEqual(self.hash_of("out.exr"), self.hash_of("whole.exr"))
 
     def killed(self, rank, *words):
-        """What is said when a rank is killed."""
+        """Kills a rank and returns the output of the run."""
         mpirun, processes = self.start(3, *SIZE, "--spp", self.spp, *words)
         os.kill(processes[rank], signal.SIGKILL)
         said = self.wait(mpirun)
@@ -198,7 +200,7 @@ class Ranks(unittest.TestCase):
         self.assertEqual(self.info("film.exr")["samples"], [[0, int(self.spp)]])
 
     def test_without_a_checkpoint_too(self):
-        """Rank 0 dies, and the run goes on by the command that is told, with other ranks."""
+        """After rank 0 was killed, the printed command continues the run with other ranks."""
         said = self.killed(0, "-o", "out.exr")
         told = re.search(r"--checkpoint (\S+) --guiding (on|off)", said)
         self.assertTrue(told, said)
@@ -247,7 +249,7 @@ class Ranks(unittest.TestCase):
         self.assertEqual(sorted(os.listdir(self.folder)), ["0.png", "1.png"])
 
     def test_without_the_module(self):
-        """One line, and no picture; alone nothing is missed."""
+        """Without the module, ranks fail with one line and no image, but a single process does not need it."""
         os.makedirs(self.path("tree/bin"))
         os.makedirs(self.path("tree/lib"))
         program = shutil.copy(PROGRAM, self.path("tree/bin/fathom"))

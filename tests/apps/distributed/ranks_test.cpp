@@ -16,7 +16,7 @@ using namespace fathom::cli;
 
 namespace {
 
-/// What ranks of given speeds would do, on a clock of its own.
+/// A simulation of ranks of given speeds, with a clock of its own.
 struct Simulation {
     std::vector<SampleRange> rendered;
     std::vector<double> ends_s;
@@ -42,7 +42,7 @@ struct Simulation {
         }
     }
 
-    /// Sorted, and joined where they touch; empty if two overlap.
+    /// The rendered ranges, sorted, and joined where they touch; empty if two overlap.
     std::vector<SampleRange> joined() const
     {
         std::vector<SampleRange> sorted = rendered, all;
@@ -78,7 +78,7 @@ TEST(Dispatcher, HandsOutEachSampleOnceWithAlmostNobodyIdle)
         Dispatcher dispatcher(todo, count, {}, true);
         const Simulation run(dispatcher, sample_s);
         EXPECT_EQ(run.joined(), todo);
-        // What a perfect division would take, and a range of the shortest kind, or a sample.
+        // The time is at most that of a perfect division plus a shortest range, or a sample.
         const double best_s = double(count_samples(todo)) / speed;
         EXPECT_LE(run.end_s(), best_s + std::max(0.2, 2 * slowest_s)) << "trial " << trial;
         EXPECT_LE(run.questions, std::size_t(count) * 25) << "trial " << trial;
@@ -87,7 +87,7 @@ TEST(Dispatcher, HandsOutEachSampleOnceWithAlmostNobodyIdle)
 
 TEST(Dispatcher, DoesNotWaitForASlowRank)
 {
-    // A sample of the last rank takes as long as two hundred of the others.
+    // A sample of the last rank takes as long as two hundred samples of the other ranks.
     const std::vector<double> sample_s = {0.1, 0.1, 0.1, 20};
     Dispatcher dispatcher({{0, 900}}, 4, {}, true);
     const Simulation run(dispatcher, sample_s);

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A real Slurm on this one machine, of several nodes with a processor each: sbatch, arrays, requeue, lost nodes.
+"""A real Slurm on this machine, with several nodes of one processor each: sbatch, arrays, requeue, lost nodes.
 
-All that it writes is in a folder of its own; it needs no root, no systemd and no name of the machine. Short intervals are
-set, so that tests need not wait for what takes minutes elsewhere; limits on what daemons and tasks may take are long, since a
-busy machine must look like an idle one.
+All its files are in a folder of its own; it needs no root, no systemd and no host name. Intervals are short, so that
+tests need not wait for minutes. Time limits for daemons and tasks are long, because a busy machine must behave like an
+idle one.
 """
 import getpass
 import os
@@ -22,13 +22,13 @@ DAEMONS = ("munged", "slurmctld", "slurmd", "sbatch", "squeue", "scontrol", "sru
 
 
 def missing_program():
-    """The first of Slurm's programs that is not installed, or None."""
+    """Returns the first of Slurm's programs that is not installed, or None."""
     path = os.environ["PATH"] + os.pathsep + SBIN
     return next((name for name in DAEMONS if not shutil.which(name, path=path)), None)
 
 
 def why_none_comes_up():
-    """None where a cluster of one node can be started; else what kept it from starting."""
+    """Returns None if a cluster of one node can be started, else the error."""
     with tempfile.TemporaryDirectory(prefix="fathom-slurm-", ignore_cleanup_errors=True) as folder:
         cluster = Slurm(folder, nodes=1)
         try:
@@ -53,7 +53,7 @@ def free_ports(count):
 
 class Slurm:
     def __init__(self, folder, nodes=4, max_array_size=64, hidden=None):
-        """hidden: a folder that the nodes don't see, where this process may hide one from them."""
+        """hidden: a folder that the nodes don't see, if this process may hide one from them."""
         self.folder, self.nodes, self.hidden = folder, nodes, hidden
         for name in ("log", "state", "spool", "munge"):
             os.makedirs(os.path.join(folder, name), mode=0o700)
@@ -64,7 +64,8 @@ class Slurm:
         self.write_patient_srun(shutil.which("srun", path=path))
 
     def write_patient_srun(self, srun):
-        """Fathom asks for a node at once, and goes on without where there is none. Here it is to have one, however long that takes."""
+        """Wraps srun. Fathom requests a node immediately, and continues without one if none is free; with the wrapper
+        it waits for a node."""
         os.mkdir(os.path.join(self.folder, "bin"))
         wrapper = os.path.join(self.folder, "bin", "srun")
         with open(wrapper, "w") as file:
@@ -79,13 +80,14 @@ class Slurm:
             "SlurmUser": me, "SlurmdUser": me, "StateSaveLocation": f"{f}/state", "SlurmdSpoolDir": f"{f}/spool/%n",
             "TmpFS": f"{f}/spool/%n", "SlurmctldPidFile": f"{f}/slurmctld.pid", "SlurmdPidFile": f"{f}/slurmd-%n.pid",
             "SlurmctldLogFile": f"{f}/log/slurmctld.log", "SlurmdLogFile": f"{f}/log/slurmd-%n.log",
-            # A task that was requeued waits as long as credentials live; one that starts more slowly than that fails.
+            # A requeued task waits until its credentials expire, and a task that starts later than that fails.
             "AuthInfo": f"socket={f}/munge/socket,cred_expire=30",
             "ProctrackType": "proctrack/linuxproc", "TaskPlugin": "task/none", "JobAcctGatherType": "jobacct_gather/none",
             "AccountingStorageType": "accounting_storage/none", "JobCompType": "jobcomp/none", "MailProg": "/bin/true",
             "SelectType": "select/cons_tres", "SelectTypeParameters": "CR_Core", "SlurmdParameters": "config_overrides",
             "JobRequeue": 1, "MinJobAge": 10, "ReturnToService": 1,
-            # Nothing waits for these where all goes well: what a task has to end, to start, and a daemon to answer.
+            # These limits on the start and end of tasks and on answers of daemons are reached only if something is
+            # wrong.
             "KillWait": 300, "BatchStartTimeout": 600, "SlurmdTimeout": 3600, "SlurmctldTimeout": 3600, "MessageTimeout": 30,
             "TCPTimeout": 30, "UnkillableStepTimeout": 600, "PropagateResourceLimits": "NONE",
             "MaxArraySize": max_array_size, "SchedulerParameters": "sched_interval=2,bf_interval=2,batch_sched_delay=0",
@@ -128,7 +130,7 @@ class Slurm:
         self.ask("scancel", "--user", getpass.getuser())
         pids = {"munge/munged.pid": signal.SIGTERM, "slurmctld.pid": signal.SIGKILL}
         pids.update({f"slurmd-n{number}.pid": signal.SIGKILL for number in range(1, self.nodes + 1)})
-        # No answer is an empty queue, too.
+        # A command that fails counts as an empty queue.
         waiting.wait_for("the queue to be empty", lambda: not self.ask("squeue", "-h"), pause_s=0.5)
         told = []
         for name, how in pids.items():
@@ -139,18 +141,18 @@ class Slurm:
                 told.append(pid)
             except (OSError, ValueError):
                 pass
-        # munged writes its seed as it ends: whoever removes the folder must not meet it there.
+        # munged writes its seed when it ends, so the folder must not be removed earlier.
         waiting.wait_for("the daemons to end", lambda: not any(map(waiting.is_running, told)))
 
     def run(self, *words):
-        # Daemons keep the limits of whoever starts them.
+        # Daemons inherit the limits of this process, so there is no limit of processor time.
         result = waiting.run(words, env=self.environment, processor_s=None)
         if result.returncode != 0:
             raise RuntimeError(f"{words[0]}: {result.stderr.strip()}")
         return result.stdout
 
     def ask(self, *words):
-        """What a command of Slurm's says; nothing while nobody answers."""
+        """Returns the output of a command of Slurm; empty if it fails."""
         result = waiting.run(words, env=self.environment)
         return result.stdout if result.returncode == 0 else ""
 
@@ -162,8 +164,8 @@ class Slurm:
         return waiting.wait_for(what, is_so, seen=state, stop=stop, pause_s=0.3)
 
     def wait_until_saved(self, job):
-        """Until the controller has saved all that it knows of jobs: a killed one forgets what it was told later. A mark on a job that
-        waits shows what was saved."""
+        """Waits until the controller has saved the state of all jobs, because a killed one forgets later changes. A
+        comment on a waiting job shows what was saved."""
         mark = f"saved-{time.time_ns()}"
         self.run("scontrol", "update", f"JobId={job}", f"Comment={mark}")
 

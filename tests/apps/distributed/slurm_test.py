@@ -1,10 +1,11 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Pictures in parts by a real Slurm: the bits of one run, whatever is killed, requeued, drained or cancelled.
+"""Tests that images rendered in parts by a real Slurm have the bits of one run, whatever is killed, requeued, drained
+or cancelled.
 
     slurm_test.py PROGRAM PICTURE_HASH SCENE [long]
 
-Ends with 77, and says why, where Slurm is not installed.
+Exits with 77, printing the reason, if Slurm is not installed.
 """
 import json
 import os
@@ -63,7 +64,7 @@ class Parts(unittest.TestCase):
         self.assertEqual(self.hash_of(self.picture), self.hash_of(whole))
 
     def samples_in(self, seconds, *options):
-        """As many as one thread renders in about this much processor time."""
+        """Returns the number of samples that one thread renders in about this much processor time."""
         before = waiting.processor_seconds_of_children()
         self.fathom("render", SCENE, *options, "--spp", "64", "--threads", "1", "-q", "-o", os.path.join(self.folder, "few.png"))
         return int(64 * seconds / (waiting.processor_seconds_of_children() - before))
@@ -79,13 +80,13 @@ class Parts(unittest.TestCase):
         return os.path.join(self.picture + ".parts", f"part-{part:04}.exr")
 
     def wait_until_ended(self):
-        """Nothing waits or runs any more, the merge neither."""
+        """Waits until no task and no merge waits or runs."""
         def ended():
             status = self.status()
-            # With all nodes drained nothing would ever run.
+            # Nodes are resumed, because nothing would ever run if all of them were drained.
             for node in (1, 3, 4):
                 self.cluster.ask("scontrol", "update", f"NodeName=n{node}", "State=RESUME")
-            # On a busy machine Slurm holds a task whose launch failed until somebody releases it.
+            # On a busy machine Slurm holds a task whose launch failed until it is released.
             for line in self.cluster.ask("squeue", "-h", "-o", "%i %r").splitlines():
                 if "held" in line:
                     self.cluster.ask("scontrol", "release", line.split()[0])
@@ -94,8 +95,8 @@ class Parts(unittest.TestCase):
         self.cluster.wait_for("all tasks to end", ended, seen=self.status)
 
     def hold(self, count, known=()):
-        """The processes of so many parts that run at the same time, and are not known: stopped, so that none ends while others are
-        waited for. Each has yet to keep its first samples."""
+        """Waits until `count` parts that are not in `known` run at the same time, and returns their processes. They are
+        stopped, so that none ends while others are waited for, and have not saved any samples yet."""
         held = {}
 
         def are_held():
@@ -113,17 +114,17 @@ class Parts(unittest.TestCase):
         return held
 
     def wait_for_samples(self, part):
-        """The process of a part once its film has samples."""
+        """Returns the process of a part once its film has samples."""
         def handles_signals():
             process = self.running().get(part)
             return process if process and waiting.has_signal(process, "SigCgt", signal.SIGUSR1) else None
         process = self.cluster.wait_for(f"part {part} to run", handles_signals, seen=self.status)
-        os.kill(process, signal.SIGUSR1)  # the film is written after this pass
+        os.kill(process, signal.SIGUSR1)  # requests the film, which is written after this pass
         self.cluster.wait_for(f"samples of part {part}", lambda: os.path.exists(self.film(part)), seen=self.status, stop=self.gone(process))
         return process
 
     def running(self):
-        """The processes that render parts of this test's picture, by part."""
+        """Returns the processes that render parts of this test's image, by part."""
         found = {}
         for name in filter(str.isdigit, os.listdir("/proc")):
             try:
@@ -136,11 +137,11 @@ class Parts(unittest.TestCase):
         return found
 
     def gone(self, process):
-        """For `stop` of wait_for."""
+        """Returns an argument `stop` for wait_for()."""
         return lambda: not waiting.is_running(process) and f"process {process} has ended"
 
     def go_on(self, process):
-        """Lets a process that was held go on, if it is still there."""
+        """Continues a stopped process if it still exists."""
         try:
             os.kill(process, signal.SIGCONT)
         except ProcessLookupError:
@@ -171,10 +172,10 @@ class Parts(unittest.TestCase):
         self.assertIn("44 samples per pixel, not 22", refused)
 
     def test_faults(self):
-        """Killed, requeued, drained, and a controller that is gone for a while."""
+        """Parts survive being killed, requeued and drained, and a controller that is down for a while."""
         parts, faults = (16, 4) if LONG else (8, 2)
         samples = parts * 48
-        options = ("--size", "800x600")  # some seconds a part
+        options = ("--size", "800x600")  # some seconds for each part
         self.submit(*options, "--spp", str(samples), "--parts", str(parts))
         held = self.hold(4)
         self.assertIn("under way", self.submit(*options, "--spp", str(samples), "--parts", str(parts)))
@@ -201,7 +202,7 @@ class Parts(unittest.TestCase):
         self.cluster.start_controller()
         self.cluster.wait_for("the controller", lambda: self.cluster.ask("sinfo", "-h"))
         self.wait_until_ended()
-        # A controller that comes back drains nodes on which something ended meanwhile. Whoever runs the cluster sees to it.
+        # A restarted controller drains nodes on which something ended meanwhile; an administrator would resume them.
         for node in range(1, 5):
             self.cluster.ask("scontrol", "update", f"NodeName=n{node}", "State=RESUME")
         status = self.status()
@@ -217,7 +218,7 @@ class Parts(unittest.TestCase):
         samples = 2 * self.samples_in(12, *options)
         self.submit(*options, "--spp", str(samples), "--parts", "2")
         process = self.wait_for_samples(1)
-        # Held, it can't have ended by itself before the task's script tells it to.
+        # The process is stopped, so it can't end by itself before the task's script ends it.
         self.assertTrue(waiting.stop(process))
         self.cluster.run("scancel", "--batch", "--signal=USR1", f"{self.array()}_1")
         self.cluster.wait_for("the script to end its render", lambda: waiting.has_signal(process, "ShdPnd", signal.SIGTERM),
@@ -232,7 +233,7 @@ class Parts(unittest.TestCase):
         self.submit("--size", "400x300", "--spp", "20000", "--parts", "2")
         processes = [self.wait_for_samples(part) for part in (1, 2)]
         kept = self.status()["samples_done"]
-        for process in processes:  # some passes
+        for process in processes:  # waits for some passes
             enough = waiting.processor_seconds(process) + 4
             self.cluster.wait_for("more samples", lambda: waiting.processor_seconds(process) >= enough, stop=self.gone(process))
         self.cluster.run("scancel", self.array())
@@ -246,9 +247,9 @@ class Parts(unittest.TestCase):
 
     @unittest.skipUnless(LONG, "takes minutes: Slurm looks at limits every half minute")
     def test_turns(self):
-        """Tasks whose time is not enough go on in other turns."""
+        """Tasks whose time limit is too short are continued by later tasks."""
         size = ("--size", "800x600")
-        samples = self.samples_in(150, *size)  # where one minute is given
+        samples = self.samples_in(150, *size)  # takes longer than the limit of one minute
         self.submit(*size, "--spp", str(samples), "--parts", "1", "--time", "1")
         self.wait_until_ended()
         self.assertEqual(self.status()["samples_done"], samples, self.logs())

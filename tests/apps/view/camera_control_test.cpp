@@ -55,7 +55,7 @@ TEST(CameraControl, IsTheScenesCameraUntilItMoves)
 TEST(CameraControl, OrbitsAboutThePivot)
 {
     CameraControl control(at_distance_4());
-    // The scene turns to the right: the camera goes to the left.
+    // The scene turns to the right, so the camera moves to the left.
     control.orbit(std::numbers::pi / 2, 0);
     expect_near(control.camera().position, {-4, 1, 0});
     expect_near(control.camera().look_at, {0, 1, 0});
@@ -83,7 +83,7 @@ TEST(CameraControl, StopsBeforeThePoles)
 
 TEST(CameraControl, KeepsTheHorizonOfATiltedView)
 {
-    // As framing cameras are: `up` square to the view, and the picture upright.
+    // The camera is like a framing camera: `up` is perpendicular to the view, and the image is upright.
     Camera c;
     c.position = {0, 3, 4};
     c.look_at = {0, 0, 0};
@@ -92,7 +92,7 @@ TEST(CameraControl, KeepsTheHorizonOfATiltedView)
     control.orbit(1, 0);
     EXPECT_NEAR(control.camera().position.y, 3, tolerance);
     expect_near(control.camera().up, {0, 1, 0});
-    // One that leans turns about its own upright.
+    // A tilted camera orbits about its own up direction.
     c.up = {0.5, 0.8, -0.6};
     CameraControl leaning(c);
     leaning.orbit(1, 0);
@@ -155,7 +155,7 @@ TEST(CameraControl, FocusesWhereItIsTold)
     CameraControl control(c);
     const double aspect = 4.0 / 3;
     const Camera through = control.through(0.75, 0.25, aspect, 1.0 / 600);
-    // Right and up of the middle, a quarter of the picture each.
+    // The point is a quarter of the image to the right of the center and above it.
     const double tan = std::tan(c.fov_y / 2);
     expect_near(forward(through), normalize({0.5 * tan * aspect, 0.5 * tan, -1}));
     EXPECT_EQ(through.aperture, 0);
@@ -168,7 +168,7 @@ TEST(CameraControl, FocusesWhereItIsTold)
     expect_near(control.camera().position, c.position);
     expect_near(forward(control.camera()), {0, 0, -1});
     EXPECT_NEAR(control.camera().focus_distance, distance * -forward(through).z, tolerance);
-    // And it is what orbits turn about.
+    // The focused point is the pivot of orbits.
     const Vec3d pivot = control.pivot();
     const double away = length(control.camera().position - pivot);
     control.orbit(0.7, 0.1);

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""The window for real: on an X server without a screen, with keys and mouse sent, and the screen looked at.
+"""Tests the real window: an X server without a screen, simulated keys and mouse, and screenshots.
 
 window_test.py PROGRAM SCENES FAKE_OIDN    exit code 77: Xvfb, xdotool or ImageMagick's `import` is not installed
 """
@@ -39,7 +39,7 @@ class Screenshot:
         self.pixels = data[head.end():]
 
     def mean(self, x, y, size=9):
-        """Mean colour of a square, its middle given as parts of the width and height."""
+        """Mean color of a square whose center is given as fractions of width and height."""
         x0, y0 = int(x * self.width) - size // 2, int(y * self.height) - size // 2
         sums = [0, 0, 0]
         for row in range(y0, y0 + size):
@@ -49,7 +49,7 @@ class Screenshot:
         return [s / size**2 for s in sums]
 
     def whites(self, x0, y0, x1, y1):
-        """Pixels of that rectangle, in pixels, that are pure white."""
+        """Number of pure white pixels in a rectangle, which is given in pixels."""
         return sum(self.pixels[3 * (y * self.width + x0):3 * (y * self.width + x1)].count(b"\xff\xff\xff")
                    for y in range(y0, y1))
 
@@ -72,19 +72,20 @@ class Window(unittest.TestCase):
         self.addCleanup(self.stop)
         self.window = None
         self.window = self.wait_for("the window", lambda: xdotool("search", "--name", scene).split()[:1])[0]
-        # Without a window manager, keys go to the window below the pointer.
+        # Keys go to the window below the pointer, because there is no window manager.
         xdotool("mousemove", "--window", self.window, 400, 300)
         self.wait_for("samples", lambda: self.samples() >= 4)
 
     def wait_for(self, what, condition, seen=lambda: ""):
-        """The first true value of condition(), while the window is there."""
+        """Returns the first true value of condition(); fails if the window closes."""
         def state():
             title = repr(self.title()) if self.window else "no window"
             return f"{title}, printed {self.text(self.errors)!r} {seen()}"
         return waiting.wait_for(what, condition, seen=state, stop=waiting.ended(self.process))
 
     def wait_for_screen(self, what, place, condition, size=9):
-        """The mean colour at a place once condition(colour) is true. A title may be there before its picture."""
+        """Waits until condition(color) is true at a place, since titles may precede their images; returns the mean
+        color there."""
         self.wait_for(what, lambda: condition(self.screen().mean(*place, size)), seen=lambda: f"colour {self.screen().mean(*place, size)}")
         return self.screen().mean(*place, size)
 
@@ -118,7 +119,7 @@ class Window(unittest.TestCase):
         xdotool("key", *keys)
 
     def camera(self):
-        """The camera, as the window prints it."""
+        """Returns the camera that the window prints."""
         lines = len(self.text(self.output).splitlines())
         self.key("p")
         self.wait_for("the camera", lambda: len(self.text(self.output).splitlines()) > lines)
@@ -134,7 +135,7 @@ class Window(unittest.TestCase):
         for x, y in zip(a, b):
             self.assertAlmostEqual(x, y, delta=within, msg=f"{a} {b}")
 
-    # ------------------------------------------------------------------------------------------------ the picture
+    # ------------------------------------------------------------------------------------------------ the image
 
     def wait_for_the_box(self):
         def colours():
@@ -176,7 +177,7 @@ class Window(unittest.TestCase):
         self.assertEqual(self.screen().width, 500)
         xdotool("windowsize", self.window, 640, 560)
         self.wait_for("the new size", lambda: self.screen().width == 640)
-        # The height of the view stays; the width follows the window.
+        # The height of the view is unchanged; its width follows the window.
         self.wait_for_screen("the left wall", (0.15, 0.5), lambda colour: colour[1] > 1.5 * colour[0])
         self.wait_for_near("what is beside the box", (0.02, 0.02), (0, 0, 0), 0)
         self.key("F2")
@@ -189,7 +190,7 @@ class Window(unittest.TestCase):
     def test_exposure_and_tone_map(self):
         self.start("--exposure", "0.5")
         self.assertIn("exposure +0.5", self.title())
-        # A title may be there before its picture.
+        # The title may change before its image is shown.
         colour = lambda: self.screen().mean(0.55, 0.3)
         before = self.wait_for_screen("a picture", (0.55, 0.3), lambda colour: min(colour) > 30)
         self.key("plus", "plus")
@@ -217,17 +218,17 @@ class Window(unittest.TestCase):
         self.start()
         self.key("2")
         self.wait_for("albedo", lambda: "[albedo]" in self.title() and self.samples() >= 2)
-        # sRGB of (.12, .45, .15) and (.65, .05, .05)
+        # The colors are sRGB of (.12, .45, .15) and (.65, .05, .05).
         self.wait_for_near("the left wall", (0.22, 0.5), (97, 179, 108), 3)
         self.wait_for_near("the right wall", (0.78, 0.5), (210, 63, 63), 3)
         self.key("3")
         self.wait_for("normal", lambda: "[normal]" in self.title() and self.samples() >= 2)
-        # The wall at the left, which is at x = 555, looks along -x; the back wall along -z.
+        # The left wall, at x = 555, faces -x; the back wall faces -z.
         self.wait_for_near("the left wall", (0.22, 0.5), (0, 128, 128), 3)
         self.wait_for_near("the back wall", (0.55, 0.3), (128, 128, 0), 3)
         self.key("Tab")
         self.wait_for("depth", lambda: "[depth]" in self.title() and self.samples() >= 2)
-        # Back wall at 1355, focus at 800.
+        # The back wall is at a distance of 1355, and the focus at 800.
         self.wait_for_near("the back wall", (0.55, 0.3), [255 * 800 / (800 + 1355)] * 3, 3)
         self.key("shift+Tab", "7")
         self.wait_for("material", lambda: "[material]" in self.title() and self.samples() >= 2)
@@ -244,7 +245,7 @@ class Window(unittest.TestCase):
         self.start("--spp", "16", "--tonemap", "srgb", oidn=FAKE_OIDN)
         self.wait_for("all samples", lambda: self.samples() == 16)
         noisy = self.screen().mean(0.55, 0.3)
-        # What stands for the denoiser adds 5 albedos and 500 normals: the back wall, which looks along -z, has no blue left.
+        # The fake denoiser adds 5 albedos and 500 normals. The back wall, which faces -z, has no blue left.
         self.key("n")
         self.wait_for("the denoised picture", lambda: self.title().endswith("denoised"))
         self.wait_for_screen("its colours", (0.55, 0.3), lambda colour: colour[2] == 0 and colour[0] > 200)
@@ -252,8 +253,8 @@ class Window(unittest.TestCase):
         self.wait_for("the pictures", lambda: "saved" in self.text(self.errors))
         with open(os.path.join(self.folder, "cornell-box-0001.exr"), "rb") as file:
             self.assertIn(b"denoised.R", file.read(4096))
-        # From another place it is another picture, without its noise too.
-        upper = lambda: self.screen().pixels[:800 * 300 * 3]  # without what is said
+        # After a move the image is different, and denoised again.
+        upper = lambda: self.screen().pixels[:800 * 300 * 3]  # excludes the text overlay
         before = upper()
         self.drag(1, 20, 0)
         self.wait_for("another denoised picture", lambda: self.samples() == 16 and self.title().endswith("denoised") and upper() != before
@@ -292,7 +293,7 @@ class Window(unittest.TestCase):
         self.assertEqual(self.camera(), first)
         self.drag(3, 60, 0)
         panned = self.camera()
-        # What was below the pointer stays below it. The picture's right is at smaller x.
+        # The point below the pointer stays below it. The image's right is at smaller x.
         self.assert_near(panned["position"], (280 + 60 / 600 * 2 * 800 * math.tan(math.radians(20)), 280, -800), 0.5)
         self.key("r")
         self.drag(2, 0, 60)
@@ -318,7 +319,7 @@ class Window(unittest.TestCase):
         looked = self.camera()
         self.assertEqual(looked["position"], first["position"])
         self.assertGreater(looked["look_at"][0], 280)
-        # What is printed is what a scene file takes.
+        # The printed camera is valid in a scene file.
         with open(os.path.join(SCENES, "cornell-box.json")) as file:
             scene = json.load(file)
         scene.pop("$schema")
@@ -328,7 +329,7 @@ class Window(unittest.TestCase):
         waiting.run([PROGRAM, "info", os.path.join(self.folder, "printed.json")], check=True)
 
     def wait_for_answer(self):
-        """Until the window knows what a click hit: what is asked for first is answered before a picture is saved."""
+        """Waits until a click is answered: requests are answered in order, before an image is saved."""
         saved = self.text(self.errors).count("saved")
         self.key("F2")
         self.wait_for("a picture", lambda: self.text(self.errors).count("saved") > saved)
@@ -336,17 +337,17 @@ class Window(unittest.TestCase):
     def test_a_click_focuses(self):
         self.start()
         first = self.camera()
-        # The front of the short box, at z = 65.
+        # The click is at the front of the short box, at z = 65.
         xdotool("mousemove", "--window", self.window, 445, 480, "click", 1)
         self.wait_for_answer()
         focused = self.camera()
         self.assertEqual(focused["position"], first["position"])
         self.assert_near(focused["look_at"], (280, 280, 65), 0.5)
-        # Nothing is there, and nothing changes.
+        # This click hits nothing and changes nothing.
         xdotool("mousemove", "--window", self.window, 20, 20, "click", 1)
         self.wait_for_answer()
         self.assertEqual(self.camera(), focused)
-        # Orbits now turn about the point clicked on.
+        # Orbits now use the clicked point as pivot.
         self.drag(1, 50, 0)
         turned = self.camera()
         point = (232.2, 90.6, 65)
@@ -368,7 +369,7 @@ class Window(unittest.TestCase):
             pass
         self.key("ctrl+s")
         self.wait_for("a picture", lambda: "saved cornell-box-0001.png" in self.text(self.errors))
-        # While another view is shown too, at once after a move, and with what was looked at as layers.
+        # Saving works with another view, immediately after a move, and includes the viewed layers.
         self.key("3", "w", "F2")
         self.wait_for("another picture", lambda: "saved cornell-box-0003.png" in self.text(self.errors))
         self.assertEqual(sorted(f for f in os.listdir(self.folder) if f.startswith("cornell")),
@@ -399,8 +400,8 @@ class Window(unittest.TestCase):
         self.key("F2")
         self.wait_for("a message", lambda: "cornell-box-0001" in self.text(self.errors))
         self.assertNotIn("saved", self.text(self.errors))
-        os.mkdir(self.folder)  # for the cleanup
-        # And it goes on.
+        os.mkdir(self.folder)  # the cleanup needs the folder
+        # The window continues to work after the error.
         self.key("plus")
         self.wait_for("the title", lambda: "exposure +0.5" in self.title())
         self.assertIsNone(self.process.poll())

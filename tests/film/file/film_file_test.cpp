@@ -227,7 +227,7 @@ TEST(FilmFile, AllocatesOnlyStoredData)
     overwrite(file, changed);
     // The attribute is now longer than its declared size, so reading the headers stops.
     EXPECT_THROW(FilmFile f(file), Error);
-    // A truncated file whose header consistently declares 65535 x 65535 pixels.
+    // The file is truncated, and its header consistently declares 65535 x 65535 pixels.
     RenderSettings settings;
     settings.width = settings.height = 65535;
     const std::string most = FilmKey{settings, std::string(32, '0')}.text();

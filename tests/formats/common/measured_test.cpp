@@ -16,7 +16,7 @@ struct File {
         std::vector<std::uint64_t> shape;
         std::vector<float> values;
         int type = 10;
-        std::string bytes = {};  ///< raw bytes instead of values
+        std::string bytes = {};  ///< raw bytes, in place of values
     };
     std::vector<Field> fields;
     std::string magic = std::string("tensor_file\0\1\0", 14);

@@ -84,7 +84,7 @@ TEST(Pose, RotatesUniformlyAlongTheShorterArc)
 {
     const Pose a = pose_of(Transform::rotate({0, 0, 1}, 3)), b = pose_of(Transform::rotate({0, 0, 1}, -3));
     for (double f : {0.0, 0.25, 0.5, 1.0}) {
-        // The short way from 3 through pi to 2 pi - 3.
+        // The rotation goes the short way, from 3 through pi to 2 pi - 3.
         const double angle = 3 + f * (2 * std::numbers::pi - 6);
         expect_near(interpolate(a, b, f).transform().point({1, 0, 0}), {std::cos(angle), std::sin(angle), 0});
     }

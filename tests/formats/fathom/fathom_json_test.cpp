@@ -151,7 +151,7 @@ TEST_F(FathomJson, Glass)
     }
 }
 
-/// Every camera key with a distinct value.
+/// Each key of a camera has a distinct value.
 TEST_F(FathomJson, EveryKeyOfACamera)
 {
     const SceneDescription scene = load("c.json", R"({"cameras": {
@@ -433,7 +433,7 @@ TEST_F(FathomJson, Conductors)
     const auto& m = scene.materials;
     EXPECT_EQ(m[0].metallic.value, 1);
     EXPECT_EQ(m[0].roughness.value, 0.25f);
-    // Normal reflectance ((eta - 1)^2 + k^2) / ((eta + 1)^2 + k^2).
+    // Reflectance at normal incidence is ((eta - 1)^2 + k^2) / ((eta + 1)^2 + k^2).
     EXPECT_NEAR(m[0].base_color.value.r, 0.9442f, 1e-4f);
     EXPECT_NEAR(m[0].base_color.value.g, 0.7761f, 1e-4f);
     EXPECT_NEAR(m[0].base_color.value.b, 0.3734f, 1e-4f);

@@ -12,7 +12,7 @@
 #include "fathom/render.h"
 #include "formats/import_test_helpers.h"
 
-// Saving and reloading a scene preserves the fingerprint of its compiled tables and its camera.
+// Tests that saving and reloading a scene preserves the fingerprint of its compiled tables and its camera.
 namespace fathom::test {
 namespace {
 
@@ -154,7 +154,7 @@ TEST_F(Save, EveryVectorOfAMesh)
     Mesh mesh = triangle();
     mesh.normals.assign(3, {0, 0.6f, 0.8f});
     mesh.tangents.assign(3, {1, 0, 0, -1});
-    // Values that 1 - v cannot restore exactly.
+    // 1 - v cannot restore these values exactly.
     mesh.uvs[0] = {{1e-20f, 1e-20f}, {0.1f, -0.1f}, {3, 1e-9f}};
     mesh.uvs[1] = {{0, 1}, {0.3f, 0.7f}, {0.123456789f, -0.0f}};
     mesh.colors.assign(3, {0.1f, 0.2f, 0.3f, 0.4f});
@@ -283,8 +283,8 @@ TEST_F(Save, LightsWithPictures)
     expect_same(scene);
 }
 
-/// Several shapes in a node, nodes with several parents, a light and a camera with two placements, flattening and
-/// mirroring transforms.
+/// Nodes may have several shapes or parents; a light and a camera have two placements, and transforms flatten or
+/// mirror.
 TEST_F(Save, NodesOfEveryKind)
 {
     SceneDescription scene;
@@ -312,7 +312,7 @@ TEST_F(Save, NodesOfEveryKind)
         node.parent_from_node = Transform::rotate({1, 2, 3}, light);
         scene.nodes.push_back(node);
     }
-    // Two parents of the spot light's node: two placements.
+    // The spot light's node has two parents, hence two placements.
     Node group;
     group.children = {2, 2, 3};
     group.motion = {{0, Transform::translate({1, 0, 0})}, {1, Transform::translate({1, 0.1, 0})}};

@@ -84,7 +84,7 @@ TEST_F(SaveGlb, ModelsOfGltfAreTheSame)
     }
 }
 
-/// Each material layer and its extension, checked in the reloaded scene.
+/// Each material layer is written as its extension and checked in the reloaded scene.
 TEST_F(SaveGlb, LayersOfMaterials)
 {
     const SceneDescription scene = load("layers.json", R"({"fathom": 1, "materials": {

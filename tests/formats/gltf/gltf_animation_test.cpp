@@ -11,7 +11,7 @@ namespace {
 class GltfAnimation : public ImportTest {
 protected:
     SceneFileContents read(const std::string& gltf) { return load_scene_file(write("a.gltf", gltf), {}, warnings_); }
-    /// The scene at a time of its first animation.
+    /// Returns the scene at a time of its first animation.
     SceneDescription at(double time_s, const std::string& gltf)
     {
         SceneFileContents file = read(gltf);
@@ -51,7 +51,7 @@ protected:
     }
 };
 
-/// Keys as floats, normalized shorts and bytes, and sparse accessors.
+/// Keys may be floats, normalized shorts or bytes, or sparse accessors.
 TEST_F(GltfAnimation, NodesMove)
 {
     GltfBuilder b;

@@ -8,7 +8,7 @@
 namespace fathom::test {
 namespace {
 
-/// Selection of a scene and of a material variant in glTF files.
+/// Tests of the selection of a scene and of a material variant in glTF files.
 class GltfChoices : public ImportTest {
 protected:
     /// Three colors: the first and second variants select the first two, the default material is the third.

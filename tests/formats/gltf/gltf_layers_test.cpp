@@ -5,7 +5,7 @@
 namespace fathom::test {
 namespace {
 
-/// Material extensions that add layers.
+/// Tests of glTF material extensions that add layers.
 class GltfLayers : public ImportTest {
 protected:
     /// Material of a file that has texture 0 (my.png); json: members of the material.
@@ -151,7 +151,7 @@ TEST_F(GltfLayers, Iridescence)
     EXPECT_EQ(range.color_a.value.g, 200);
     EXPECT_EQ(range.color_b.value.g, 500);
     expect(range.factor, 1, 1, "thickness");
-    // Without a texture the maximum thickness is used.
+    // The maximum thickness is used if there is no texture.
     m = extended(R"("KHR_materials_iridescence": {"iridescenceFactor": 1})");
     EXPECT_EQ(m.thin_film.thickness.value, 400);
     EXPECT_EQ(m.thin_film.thickness.texture, -1);

@@ -11,7 +11,7 @@ namespace {
 
 class Gltf : public ImportTest {
 protected:
-    /// The only mesh of a file.
+    /// Mesh of a file that has only one.
     Mesh mesh_of(const std::string& gltf)
     {
         const SceneDescription scene = load("a.gltf", gltf);
@@ -371,7 +371,7 @@ TEST_F(Gltf, IndicesOfEveryTypeAndSparseOnes)
     EXPECT_EQ(positions_of(sparse), (std::vector<int>{3, 2, 1}));
 }
 
-/// Byte strides larger than the elements, also for integers and matrices.
+/// Byte strides may be larger than the elements, also for integers and matrices.
 TEST_F(Gltf, Strides)
 {
     GltfBuilder b;
@@ -393,7 +393,7 @@ TEST_F(Gltf, Strides)
 TEST_F(Gltf, SkinsBendNormals)
 {
     GltfBuilder b;
-    // A slope with normal (0, 1, 1) in the plane y = 1 - z.
+    // The mesh is a slope with normal (0, 1, 1) in the plane y = 1 - z.
     const int positions = b.floats({0, 1, 0, 1, 1, 0, 0, 0, 1}, "VEC3");
     const float h = float(std::sqrt(0.5));
     const int normals = b.floats({0, h, h, 0, h, h, 0, h, h}, "VEC3");

@@ -35,7 +35,7 @@ private:
     std::uint64_t state_ = 1;
 };
 
-/// A triangle by its corners: position, texture coordinates, normal.
+/// A corner of a triangle: position, texture coordinates, normal.
 using Corner = std::array<float, 8>;
 using Triangles = std::vector<std::array<Corner, 3>>;
 
@@ -323,7 +323,7 @@ TEST_F(Pieces, OfAPlyThatIsWrong)
                   "face 30000: vertex 80000 is out of range: there are 80000");
         EXPECT_NE(error_of("b.ply", whole.substr(0, whole.size() / 2)).find("is truncated"), std::string::npos);
     }
-    // A token longer than a window.
+    // This token is longer than a window.
     EXPECT_EQ(error_of("d.ply",
                        "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\n"
                        "property float z\nend_header\n0\n0\n" +

@@ -25,7 +25,7 @@ protected:
             if (message.find(words) != std::string::npos) count += times;
         return count;
     }
-    /// Data that distinguishes the triangles.
+    /// A number that distinguishes the triangles.
     static std::string corners(const SceneDescription& scene)
     {
         std::string text;

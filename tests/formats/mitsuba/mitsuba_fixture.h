@@ -15,7 +15,7 @@ protected:
     }
     SceneDescription read(const std::string& inside) { return load("a.xml", scene_of(inside)); }
     std::string error(const std::string& inside) { return error_of("a.xml", scene_of(inside)); }
-    /// Material of the only shape.
+    /// Material of the only shape of a scene.
     static const Material& material_of(const SceneDescription& scene)
     {
         for (const Node& node : scene.nodes)

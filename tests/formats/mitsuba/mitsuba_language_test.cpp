@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Mitsuba files: the language, cameras, films and integrators.
+// Tests of Mitsuba files: the language, cameras, films and integrators.
 #include <fmt/format.h>
 #include <array>
 #include <cmath>
@@ -72,13 +72,13 @@ TEST_F(Mitsuba, IncludesWithinIncludes)
     expect_color(found(text), 0.2, 0.2, 0.2);
     material("parts/sub/m.xml", "0.3");
     expect_color(found(text), 0.3, 0.3, 0.3);
-    // This include is found beside the scene.
+    // The file is found beside the scene.
     material("assets/n.xml", "0.4");
     const std::string paths = R"(<path value="assets"/><path value="more"/><include filename="n.xml"/>)" + shape;
     expect_color(found(paths), 0.4, 0.4, 0.4);
     material("more/n.xml", "0.5");
     expect_color(found(paths), 0.5, 0.5, 0.5);
-    // An included file with a single object, whose name attribute is overridden.
+    // The included file has a single object, whose name attribute is overridden.
     write("texture.xml", R"(<texture version="3.0.0" type="checkerboard" name="other"/>)");
     const SceneDescription scene = read(R"(<shape type="sphere"><bsdf type="diffuse">
 <include filename="texture.xml" name="reflectance"/></bsdf></shape>)");
@@ -178,7 +178,7 @@ TEST_F(Mitsuba, FieldsOfView)
     EXPECT_NEAR(fov(""), of_50_mm, 1e-9) << "the default";
 }
 
-/// Pixel coordinates to camera coordinates divided by the depth along the view axis.
+/// Projects pixel coordinates to camera coordinates divided by the depth along the view axis.
 std::array<double, 2> image_point(const SceneDescription& scene, const Camera& c, double x, double y)
 {
     const double width = *scene.hints.width, height = *scene.hints.height,
@@ -224,7 +224,7 @@ TEST_F(Mitsuba, Crop)
             EXPECT_NEAR(a[1], b[1], 1e-12) << type;
         }
         if (type == std::string("orthographic")) continue;
-        // Offset as a fraction of the film's width to the right and height down, for any crop.
+        // The offset is a fraction of the film's width to the right and of its height down, for any crop.
         const std::string offset = R"(<float name="principal_point_offset_x" value="0.25"/>
 <float name="principal_point_offset_y" value="0.1"/>)";
         for (const char* crop : {"", R"(<integer name="crop_width" value="10"/>)"}) {

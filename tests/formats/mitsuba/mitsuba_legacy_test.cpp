@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Files of Mitsuba 0.5 and 0.6.
+// Tests of files of Mitsuba 0.5 and 0.6.
 #include <cmath>
 
 #include "mitsuba_fixture.h"
@@ -55,7 +55,7 @@ TEST_F(MitsubaLegacy, OneNumberIsWhiteAndSrgbIsEncoded)
     };
     expect_color(radiance(R"(<spectrum name="radiance" value="12"/>)"), 12, 12, 12);
     expect_color(radiance(R"(<rgb name="radiance" value="0.5, 0.5, 1"/>)"), 0.5, 0.5, 1);
-    // sRGB decoding: (0.555 / 1.055)^2.4.
+    // sRGB decoding of 0.5: (0.555 / 1.055)^2.4.
     expect_color(radiance(R"(<srgb name="radiance" value="0.5, 0.5, 1"/>)"), 0.2140411, 0.2140411, 1);
 }
 
@@ -108,7 +108,7 @@ TEST_F(MitsubaLegacy, SunByDate)
     const std::string munich =
         R"(<float name="latitude" value="48.1"/><float name="longitude" value="11.6"/><float name="timezone" value="2"/>
 <integer name="year" value="2024"/><integer name="month" value="3"/><integer name="day" value="20"/><float name="hour" value="9"/>)";
-    // Values of Mitsuba 3.9.1 in different axes, to 0.2 degrees.
+    // Directions are those of Mitsuba 3.9.1 in different axes, to 0.2 degrees.
     expect_near(sun(munich), {0.908132, 0.280229, 0.311075}, 4e-3);
     expect_near(sun(munich + R"(<transform name="toWorld"><rotate y="1" angle="90"/></transform>)"),
                 {0.311075, 0.280229, -0.908132}, 4e-3);

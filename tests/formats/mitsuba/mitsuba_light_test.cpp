@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Emitters of Mitsuba files.
+// Tests of emitters in Mitsuba files.
 #include <fmt/format.h>
 #include <cmath>
 
@@ -98,7 +98,7 @@ TEST_F(Mitsuba, EmittersWithPictures)
     expect_near(s.vector({0, 0, -1}), {0, 0, 1});
     expect_near(s.vector({1, 0, 0}), {1, 0, 0});
     expect_near(s.vector({0, 1, 0}), {0, -1, 0});
-    // A white image over the diagonal of 35 mm film.
+    // The image is white and spans the diagonal of 35 mm film.
     const Light& plain = scene.lights.at(2);
     EXPECT_EQ(plain.picture.image, -1);
     expect_color(plain.intensity, std::numbers::pi, 2 * std::numbers::pi, 3 * std::numbers::pi, 1e-5);
@@ -128,7 +128,7 @@ TEST_F(Mitsuba, EnvironmentMaps)
     EXPECT_EQ(scene.environment.color.g, 2);
 }
 
-/// Values of Mitsuba 3.9.1 to 0.2 degrees: +x is south, +y west, +z up.
+/// Directions are those of Mitsuba 3.9.1 to 0.2 degrees: +x is south, +y west, +z up.
 TEST_F(Mitsuba, SunByDate)
 {
     const auto sun = [&](const std::string& inside) {
@@ -139,7 +139,8 @@ TEST_F(Mitsuba, SunByDate)
     expect_near(sun(R"(<float name="hour" value="9"/>)"), {0.0956952, -0.614786, 0.782867}, 4e-3);
 }
 
-/// The sun's irradiance measured in Mitsuba's images of a plane, between the elevations and turbidities of the table.
+/// The sun's irradiance was measured in Mitsuba's images of a plane, between the elevations and turbidities of the
+/// table.
 TEST_F(Mitsuba, SunOfSunsky)
 {
     struct Case {
@@ -179,7 +180,7 @@ TEST_F(Mitsuba, SkyWithItsSun)
         if (node.light == 0) expect_near(normalize(node.parent_from_node.vector({0, 0, -1})), {-0.6, -0.8, 0}, 1e-9);
 }
 
-/// Values of Mitsuba 3.9.1's `llvm_ad_rgb` variant.
+/// Colors are those of Mitsuba 3.9.1's `llvm_ad_rgb` variant.
 TEST(MitsubaSpectra, AsColors)
 {
     const std::vector<SpectrumPoint> points = {{400, 0.1}, {500, 0.5}, {600, 0.9}, {700, 0.3}};

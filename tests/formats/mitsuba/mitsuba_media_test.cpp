@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Media of Mitsuba files: inside shapes and around them.
+/// Tests of media in Mitsuba files: inside shapes and around them.
 #include <cmath>
 
 #include <fmt/format.h>
@@ -57,7 +57,7 @@ TEST_F(Mitsuba, MediumAroundTheCamera)
     EXPECT_TRUE(warnings_.counts().empty());
     const Shape& around = scene.nodes.at(std::size_t(scene.roots.back())).shapes.at(0);
     const Sphere& ball = std::get<Sphere>(around.geometry);
-    // Extents: from -1 to 9 along x, from -1 to 1 along y and z.
+    // Bounds extend from -1 to 9 along x, and from -1 to 1 along y and z.
     EXPECT_NEAR(ball.center.x, 4, 1e-6);
     EXPECT_NEAR(ball.radius, std::sqrt(10 * 10 + 2 * 2 + 2 * 2), 1e-6);
     const Material& m = scene.materials.at(std::size_t(around.material));

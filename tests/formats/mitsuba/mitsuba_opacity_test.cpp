@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Mitsuba opacity masks, blends, emission with opacity, two-sided BSDFs, and textures for numbers.
+// Tests of Mitsuba's opacity masks, blends, emission with opacity, two-sided BSDFs, and textures for numbers.
 #include <fmt/format.h>
 
 #include "mitsuba_fixture.h"
@@ -43,7 +43,7 @@ TEST_F(MitsubaOpacity, EmissionIsNotScaled)
         EXPECT_NEAR(shown(m), 2, 1e-6) << opacity;
         EXPECT_FALSE(m.emission.two_sided);
     }
-    // Emission of a nearly or fully transparent surface: a thin emissive sheet that transmits all light.
+    // The emission of a nearly or fully transparent surface becomes a thin emissive sheet that transmits all light.
     const Material nothing = material_of(plate(std::string(R"(<bsdf type="null"/>)") + lamp));
     EXPECT_EQ(nothing.kind, MaterialKind::glass);
     EXPECT_TRUE(nothing.interior.thin);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Shapes of Mitsuba files.
+// Tests of shapes in Mitsuba files.
 #include <fmt/format.h>
 #include <zlib.h>
 #include <array>
@@ -58,7 +58,7 @@ TEST_F(Mitsuba, ModelsTurnPicturesAsMitsubaDoes)
 /// Meshes without normals are smooth unless face_normals is set.
 TEST_F(Mitsuba, NormalsOfMeshes)
 {
-    // A roof of two triangles with slopes 1 and 0 that share an edge along y.
+    // The mesh is a roof of two triangles with slopes 1 and 0 that share an edge along y.
     write("a.obj", "v 0 0 0\nv 0 1 0\nv -1 0 1\nv 1 0 0\nf 1 2 3\nf 1 4 2\n");
     const auto mesh = [&](const std::string& said) {
         return read(R"(<shape type="obj"><string name="filename" value="a.obj"/>)" + said + "</shape>").meshes.at(0);
@@ -75,7 +75,7 @@ TEST_F(Mitsuba, NormalsOfMeshes)
     EXPECT_EQ(flipped.indices[1], smooth.indices[2]);
 }
 
-/// Sides that emit and reflect, as in Mitsuba 3.9.1: meshes with normals use their normals; other meshes use the
+/// Which sides emit and reflect agrees with Mitsuba 3.9.1: meshes with normals use their normals; other meshes use the
 /// winding in world space (counterclockwise seen from the front); mirrored spheres are inside out.
 TEST_F(Mitsuba, FrontsOfMirroredShapes)
 {
@@ -120,7 +120,7 @@ TEST_F(Mitsuba, FrontsOfMirroredShapes)
     }
     EXPECT_EQ(front("down.obj", ""), -1);
     EXPECT_EQ(front("down.obj", faceted), 1);
-    // One file used twice, the second time mirrored.
+    // The file is used twice, the second time mirrored.
     const std::string plain = R"(<shape type="ply"><string name="filename" value="plain.ply"/>)";
     EXPECT_EQ(read(plain + "</shape>" + plain + mirrored + "</shape>").meshes.size(), 2u);
     const auto radius = [&](const std::string& said) {
@@ -132,10 +132,10 @@ TEST_F(Mitsuba, FrontsOfMirroredShapes)
     EXPECT_EQ(radius(mirrored + flipped), 1);
 }
 
-/// Vertex and face attributes by name, as numbers and as colors.
+/// Attributes of vertices and faces are found by name, as numbers and as colors.
 TEST_F(Mitsuba, AttributesOfMeshes)
 {
-    // Two triangles that share an edge.
+    // The file has two triangles that share an edge.
     write("a.ply",
           "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\nproperty "
           "float heat_x\nproperty float color_0\nproperty float color_1\nproperty float color_2\nelement face 2\n"
@@ -200,7 +200,7 @@ TEST_F(Mitsuba, Cylinders)
     EXPECT_GT(t.determinant(), 0);
 }
 
-/// Positions of u = 0 and u = 1/4 in Mitsuba 3.9.1 for axes in all directions.
+/// The points with u = 0 and u = 1/4 are those of Mitsuba 3.9.1, for axes in all directions.
 TEST_F(Mitsuba, CylindersBeginWhereMitsubasDo)
 {
     const struct {
@@ -255,7 +255,7 @@ std::string deflated(const std::string& bytes)
     return out;
 }
 
-/// Two meshes of one triangle: floats with normals and texture coordinates, and doubles.
+/// A file of two meshes of one triangle: floats with normals and texture coordinates, and doubles.
 std::string two_meshes(std::uint32_t last_index = 2)
 {
     const std::string sign = {0x1c, 0x04, 4, 0};
@@ -289,7 +289,7 @@ TEST_F(Mitsuba, SerializedMeshes)
     EXPECT_EQ(scene.meshes[1].indices, (std::vector<std::uint32_t>{0, 1, 2}));
 }
 
-/// Volume file with the values of a signed distance function on a grid of the given size along x, y, z.
+/// A volume file with the values of a signed distance function on a grid of the given size along x, y, z.
 template <class Distance>
 std::string volume_of(std::array<std::int32_t, 3> size, const Distance& distance)
 {
@@ -304,7 +304,7 @@ std::string volume_of(std::array<std::int32_t, 3> size, const Distance& distance
     return bytes;
 }
 
-/// A grid with a different size along each axis; it fills the unit cube.
+/// Grids may have a different size along each axis; they fill the unit cube.
 TEST_F(Mitsuba, GridsOfDistances)
 {
     const Vec3d center{0.5, 0.45, 0.55};

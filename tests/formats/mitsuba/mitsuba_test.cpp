@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// BSDFs, media and textures of Mitsuba files, and complete third-party scenes.
+// Tests of BSDFs, media and textures in Mitsuba files, and of complete third-party scenes.
 #include <fmt/format.h>
 #include <cmath>
 
@@ -22,7 +22,7 @@ TEST_F(Mitsuba, TexturesAsAlpha)
     EXPECT_TRUE(warnings_.empty());
 }
 
-/// Separate alpha_u and alpha_v; glass and plastic use one of them.
+/// Textures may differ for alpha_u and alpha_v; glass and plastic use only one of them.
 TEST_F(Mitsuba, TexturesAsTwoAlphas)
 {
     const auto rough = [&](const char* type) {
@@ -41,7 +41,8 @@ TEST_F(Mitsuba, TexturesAsTwoAlphas)
     EXPECT_TRUE(has_warning("anisotropic roughness of glass"));
 }
 
-/// Internal diffuse reflectance, derived from Mitsuba 3.9.1's images of roughplastic with two diffuse colors.
+/// The internal diffuse reflectance agrees with values derived from Mitsuba 3.9.1's images of roughplastic with two
+/// diffuse colors.
 TEST_F(Mitsuba, InnerReflectanceOfRoughPlastic)
 {
     const struct {
@@ -319,7 +320,7 @@ TEST_F(Mitsuba, PicturesOnShapes)
     expect_uv(uv_at("sphere", {0.3f, 0.4f, 0.86602545f}), 0.14758f, 0.16667f);
     expect_uv(uv_at("sphere", {-0.2f, -0.5f, 0.8426151f}), 0.68944f, 0.18101f);
     expect_uv(uv_at("disk", {0, -1, 0}), 1, 0.75f);
-    expect_uv(uv_at("cube", {1, -1, -1}), 0, 1);  // on the first face, y = -1
+    expect_uv(uv_at("cube", {1, -1, -1}), 0, 1);  // a point of the first face, y = -1
     expect_uv(uv_at("rectangle", {1, -1, 0}), 1, 0);
 }
 

@@ -61,7 +61,7 @@ TEST_F(Obj, IndicesFromTheEnd)
 
 TEST_F(Obj, ConcavePolygons)
 {
-    // An arrow head for which a fan from the first corner would be wrong, and the letter C.
+    // The first file is an arrow head for which a fan from the first corner would be wrong; the second is the letter C.
     const SceneDescription arrow = load("a.obj", "v 0 0 0\nv 2 -1 0\nv 0 3 0\nv -2 -1 0\nf 2 3 4 1\nf 1 2 3 4\n");
     EXPECT_NEAR(area(arrow.meshes.at(0)), 2 * 6, 1e-6);
     const SceneDescription c = load("c.obj",

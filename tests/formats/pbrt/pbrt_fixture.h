@@ -10,7 +10,7 @@ namespace fathom::test {
 
 class Pbrt : public ImportTest {
 protected:
-    /// A scene with this text after WorldBegin.
+    /// A pbrt scene with this text after WorldBegin.
     SceneDescription world(const std::string& inside) { return load("a.pbrt", "WorldBegin\n" + inside); }
     std::string error(const std::string& inside) { return error_of("a.pbrt", "WorldBegin\n" + inside); }
     static const Shape& shape_of(const SceneDescription& scene)

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// pbrt files: the language, cameras, films and integrators.
+// Tests of pbrt files: the language, cameras, films and integrators.
 #include <fmt/format.h>
 #include <zlib.h>
 #include <cmath>
@@ -181,7 +181,7 @@ TEST_F(Pbrt, CamerasHaveLensesAndWindows)
     EXPECT_TRUE(has_warning("the lens is approximated by a thin lens"));
 }
 
-/// Upper right quarter of a 400 x 200 film that shows -2 to 2 and -1 to 1.
+/// The crop is the upper right quarter of a 400 x 200 film that shows -2 to 2 and -1 to 1.
 TEST_F(Pbrt, CropsAreThePicture)
 {
     for (const char* crop : {"\"float cropwindow\" [ 0.5 1 0 0.5 ]", "\"integer pixelbounds\" [ 200 400 -7 100 ]"}) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Lights of pbrt files.
+// Tests of lights in pbrt files.
 #include <fmt/format.h>
 #include <cmath>
 
@@ -24,7 +24,7 @@ TEST_F(Pbrt, LightsHaveTheirUnits)
     EXPECT_NEAR(scene.lights.at(0).outer_angle, 40 * degree, 1e-9);
     EXPECT_NEAR(scene.lights.at(0).inner_angle, 30 * degree, 1e-9);
     EXPECT_EQ(scene.lights.at(0).falloff, SpotFalloff::smooth);
-    // The default cone is 30 degrees with a falloff over the last 5.
+    // The default cone has 30 degrees with a falloff over the last 5.
     scene = world("LightSource \"spot\"");
     EXPECT_NEAR(scene.lights.at(0).outer_angle, 30 * degree, 1e-9);
     EXPECT_NEAR(scene.lights.at(0).inner_angle, 25 * degree, 1e-9);

@@ -22,7 +22,7 @@ TEST_F(Pbrt, MediumAroundTheCamera)
     const Node& mirror = scene.nodes.at(std::size_t(scene.roots.at(0)));
     const Shape& around = scene.nodes.at(std::size_t(mirror.children.back())).shapes.at(0);
     const Sphere& ball = std::get<Sphere>(around.geometry);
-    // Extents: from -8 to 1 along z, from -1 to 1 along x and y.
+    // Bounds extend from -8 to 1 along z, and from -1 to 1 along x and y.
     EXPECT_NEAR(ball.center.z, -3.5, 1e-6);
     EXPECT_NEAR(ball.radius, std::sqrt(9 * 9 + 2 * 2 + 2 * 2), 1e-6);
     const Material& m = scene.materials.at(std::size_t(around.material));

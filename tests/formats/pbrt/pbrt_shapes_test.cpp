@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Textures and shapes of pbrt files.
+// Tests of textures and shapes in pbrt files.
 #include <fmt/format.h>
 #include <cmath>
 
@@ -23,7 +23,7 @@ Material "diffuse" "texture reflectance" "t" Shape "sphere")");
     EXPECT_EQ(t.color_space, ColorSpace::linear);
     EXPECT_EQ(t.uv_scale.y, 3);
     EXPECT_EQ(t.uv_offset.x, 0.5f);
-    // v grows downwards in Fathom: 1 - (3 (1 - v) + 0.25).
+    // v grows downwards in Fathom, so the offset follows from 1 - (3 (1 - v) + 0.25).
     EXPECT_EQ(t.uv_offset.y, -2.25f);
     // A textured sphere becomes a mesh with pbrt's texture coordinates.
     EXPECT_FALSE(scene.meshes.empty());
@@ -125,7 +125,7 @@ TEST_F(Pbrt, ProceduralTextures)
     EXPECT_TRUE(has_warning("Ptex files are not supported"));
 }
 
-/// (s, t) of a texture's mapping at (u, v), computed from its parameters.
+/// Coordinates (s, t) of a texture's mapping at (u, v), computed from its parameters.
 Vec2f mapped(const Texture& t, double u, double v)
 {
     const double c = std::cos(double(t.uv_rotation)), s = std::sin(double(t.uv_rotation));
@@ -184,7 +184,7 @@ Material "diffuse" "texture reflectance" "t" Shape "sphere")",
                                "\"float udelta\" 0.5 \"float vdelta\" 0.25")
                               .base();
     EXPECT_EQ(plane.mapping, TextureMapping::planar);
-    // A point with y = 2 + 3 and z = 3 + 5.
+    // The point has y = 2 + 3 and z = 3 + 5.
     const Vec3d p = plane.world_from_texture.inverse().point({0, 5, 8});
     EXPECT_NEAR(mapped(plane, p.x, p.y).x, 6.5, 1e-6);
     EXPECT_NEAR(mapped(plane, p.x, p.y).y, 20.25, 1e-6);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Materials of pbrt files.
+// Tests of materials in pbrt files.
 #include <fmt/format.h>
 #include <cmath>
 
@@ -23,7 +23,7 @@ NamedMaterial "m")")
 
 TEST_F(Pbrt, RoughnessIsRemapped)
 {
-    // alpha is the square of Fathom's roughness: 0.25^2; a remapped roughness is its root.
+    // alpha is the square of Fathom's roughness, 0.25^2; with remapping the roughness is the square root.
     EXPECT_NEAR(
         material("Material \"conductor\" \"float roughness\" 0.0625 \"bool remaproughness\" false").roughness.value,
         0.25, 1e-6);
@@ -70,7 +70,7 @@ Material "{}" "texture uroughness" "t" "float vroughness" 0.25 "bool remaproughn
 
 TEST_F(Pbrt, Metals)
 {
-    // Daylight reflectance of pbrt's own spectra.
+    // Colors are those of pbrt's own spectra in daylight.
     expect_color(material("Material \"conductor\" \"spectrum eta\" \"metal-Ag-eta\" \"spectrum k\" \"metal-Ag-k\"")
                      .base_color.value,
                  0.9715, 0.9599, 0.9153, 1e-3);
@@ -139,8 +139,8 @@ TEST_F(Pbrt, Glass)
     EXPECT_TRUE(has_warning("Medium 'cloud': is not supported"));
 }
 
-/// Dispersion from named, tabulated and file spectra: 20 over Abbe's number, (n(587.6 nm) - 1) / (n(486.1 nm) - n(656.3
-/// nm)).
+/// Dispersion comes from named, tabulated and file spectra: 20 over the Abbe number, (n(587.6 nm) - 1) / (n(486.1 nm) -
+/// n(656.3 nm)).
 TEST_F(Pbrt, DispersiveGlass)
 {
     const Material crown = material("Material \"dielectric\" \"spectrum eta\" \"glass-BK7\"");
@@ -213,7 +213,7 @@ TEST_F(Pbrt, Hair)
     EXPECT_FALSE(has_warning("hair"));
 }
 
-/// Media of Jensen et al. 2001, table 1, and of Narasimhan et al. 2006.
+/// The coefficients are those of Jensen et al. 2001, table 1, and of Narasimhan et al. 2006.
 TEST_F(Pbrt, MeasuredMedia)
 {
     const auto expect_medium = [](const Material& m, Color scattering, Color absorption) {

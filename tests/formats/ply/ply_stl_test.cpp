@@ -134,7 +134,7 @@ TEST_F(Ply, BothByteOrdersWithEverything)
         EXPECT_EQ(mesh.uvs[0].at(0).x, 0.25f);
         EXPECT_EQ(mesh.uvs[0].at(0).y, 0.25f);
         EXPECT_FLOAT_EQ(mesh.colors.at(0).x, 1);
-        EXPECT_NEAR(mesh.colors.at(0).z, 0.5029f, 1e-4);  // the file has 188 in sRGB
+        EXPECT_NEAR(mesh.colors.at(0).z, 0.5029f, 1e-4);  // the file has the sRGB code 188
         EXPECT_FLOAT_EQ(mesh.colors.at(0).w, 0.2f);
         EXPECT_TRUE(scene.materials.at(0).use_vertex_color);
     }
@@ -194,7 +194,7 @@ TEST_F(Ply, FacesBeforeVertices)
     EXPECT_EQ(warning_count("fewer than three vertices"), 3u);
 }
 
-/// Triangle faces alone, strips, and indices out of range.
+/// Other elements are triangle faces, strips, and indices out of range.
 TEST_F(Ply, OtherElementsBeforeVertices)
 {
     std::string usual = "ply\nformat binary_little_endian 1.0\nelement face 1\n" + indices + "element vertex 3\n" +
@@ -217,8 +217,8 @@ TEST_F(Ply, OtherElementsBeforeVertices)
               "face 0: vertex 0 is out of range: there are 0");
 }
 
-/// Equal colors as bytes, shorts and floats under each name that programs use: 128 / 255 decodes to 0.21586; floats are
-/// linear.
+/// Colors are equal as bytes, shorts and floats, under each name that programs use: 128 / 255 decodes to 0.21586;
+/// floats are linear.
 TEST_F(Ply, NamesAndTypesOfColors)
 {
     const auto color_of = [&](const std::string& prefix, const std::string& names, const std::string& type,
@@ -391,7 +391,7 @@ std::string ascii_stl(const std::string& name)
            name + "\n";
 }
 
-/// Extra text that programs write before and after the triangles, ASCII and binary.
+/// Programs write extra text before and after the triangles, in ASCII and binary.
 TEST_F(Stl, OddBeginningsAndEnds)
 {
     std::string upper = ascii_stl(" QUAD"), one_line = ascii_stl("");

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Binary BVHs before collapsing: they stay valid trees, and optimization lowers their cost.
+/// Tests of binary BVHs before collapsing: they stay valid trees, and optimization lowers their cost.
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 
@@ -83,7 +83,7 @@ std::vector<std::uint32_t> check(const BinaryTree& tree, std::size_t& deepest)
     return ids;
 }
 
-/// Height from the definition: 1 + the maximum height of both children.
+/// Height by its definition: 1 + the maximum height of both children.
 std::uint32_t true_height(const BinaryTree& tree, std::uint32_t i)
 {
     const BinaryNode& node = tree.nodes[i];
@@ -98,7 +98,7 @@ GeometryTables with_gaps(int triangles)
     return tables;
 }
 
-/// More primitives than a single thread's task handles.
+/// The number of primitives exceeds what a single thread's task handles.
 TEST(BvhBuild, trees_hold_each_item_once_in_boxes_that_fit)
 {
     const GeometryTables tables = with_gaps(150'000);
@@ -160,7 +160,7 @@ TEST(BvhBuild, clusters_cost_little)
     EXPECT_LT(bvh::expected_cost(tables, fast), 1.25 * bvh::expected_cost(tables, standard));
 }
 
-/// Child order against a sort, with many equal distances: boxes are cells of a grid.
+/// The child order agrees with a sort, with many equal distances: boxes are cells of a grid.
 TEST(BvhBuild, slots_are_ordered_by_distance_and_blocking)
 {
     Random random(37);

@@ -66,7 +66,8 @@ TEST(Bvh, grids_piles_and_duplicates)
     compare_with_brute_force(tables, 8, 20'000, "pile");
 }
 
-/// Height field of n x n squares, two triangles each. apart: each triangle has its own vertices, as with face normals.
+/// A height field of n x n squares, two triangles each. apart: whether each triangle has its own vertices, as with face
+/// normals.
 GeometryTables ground(std::uint32_t n, bool apart)
 {
     Random random(24);
@@ -90,7 +91,7 @@ GeometryTables ground(std::uint32_t n, bool apart)
     return tables;
 }
 
-/// Checks shadow rays that start near common points, with and without some long rays. centers: draws these points.
+/// Checks shadow rays that start near common points, with and without some long rays. centers: draws the common points.
 template <class Centers>
 void expect_short_rays(const GeometryTables& tables, BvhQuality level, const Centers& centers)
 {
@@ -157,7 +158,7 @@ TEST(Bvh, degenerate_and_not_finite)
     Bvh bvh;
     bvh.build(tables);
     EXPECT_LT(bvh.statistics().leaf_primitives, tables.triangle_count());
-    // Brute force over the remaining, valid primitives.
+    // The reference is brute force over the remaining, valid primitives.
     GeometryTables finite = tables;
     for (std::uint32_t& v : finite.triangles)
         if (!std::isfinite(finite.positions[v].x)) finite.triangles[&v - finite.triangles.data()] = 0;
@@ -352,7 +353,7 @@ TEST(Bvh, the_same_bits_everywhere)
 
 TEST(Bvh, the_same_tree_for_any_number_of_threads)
 {
-    // Large triangles among them, which spatial splits divide.
+    // Some triangles are large, so that spatial splits divide them.
     GeometryTables tables = soup(200'000, 100, 1, 16);
     Random random(17);
     for (int i = 0; i < 2'000; ++i) add_triangle(tables, random.point(100), random.point(100), random.point(100));
@@ -417,7 +418,7 @@ TEST(Bvh, bytes_of_a_triangle)
         EXPECT_LE(double(compact.statistics().bytes) / n, 35);
         EXPECT_LE(double(compact.statistics().peak_bytes) / n, 75);
     }
-    // Slivers, half of which share an edge: compact leaves are never larger.
+    // The triangles are slivers, half of which share an edge: compact leaves are never larger.
     GeometryTables slivers = empty_tables();
     Random random(25);
     for (int i = 0; i < 20'000; ++i) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-/// Comparison of BVH traversal with brute force.
+/// Functions that compare BVH traversal with brute force.
 #include <gtest/gtest.h>
 
 #include "geometry/bvh/layout/data.h"

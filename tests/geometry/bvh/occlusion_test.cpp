@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Bvh::expect orders the children for shadow rays by the expected chance of occlusion.
+/// Tests of Bvh::expect, which orders children for shadow rays by the expected chance of occlusion.
 #include <gtest/gtest.h>
 
 #include "compare_with_brute_force.h"
@@ -71,7 +71,7 @@ TEST(BvhExpect, shadow_rays_meet_less)
     EXPECT_LT(double(after.nodes), 1.05 * double(before.nodes));
 }
 
-/// The occlusion order changes no hit.
+/// Closest-hit rays still visit the nearest child first, so their visits are unchanged.
 TEST(BvhExpect, changes_no_result)
 {
     for (const GeometryTables& tables : {furnished_room(), soup(3'000, 10, 2, 34)}) {
@@ -98,7 +98,7 @@ TEST(BvhExpect, changes_no_result)
     }
 }
 
-/// Axis-parallel rays, rays with zero components, and trees with one leaf or none.
+/// Expected rays may be axis-parallel or have zero components, and trees may have one leaf or none.
 TEST(BvhExpect, bears_anything)
 {
     Rays rays = rays_across(10, 37);

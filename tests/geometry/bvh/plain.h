@@ -18,7 +18,7 @@ inline Vec3d wide(Vec3f v)
 
 struct Crossing {
     double t = nothing;
-    double u = 0, v = 0;  ///< coordinates along the two edges
+    double u = 0, v = 0;  ///< coordinates along the two edges, from 0 to 1 inside
 };
 
 /// Intersection with the plane through a corner and two edges, in coordinates along the edges.

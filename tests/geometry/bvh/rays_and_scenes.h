@@ -97,7 +97,7 @@ struct Rays {
     }
 
 private:
-    std::size_t count_ = 0;  ///< number of rays without padding, once there is padding
+    std::size_t count_ = 0;  ///< number of rays without padding; set when padding is added
     bool padded_ = false;
 };
 
@@ -237,7 +237,7 @@ inline void intersect_brute_force(const GeometryTables& tables, std::uint32_t pr
     take(m & (t <= hit.t), t, Float(0), Float(0));
 }
 
-/// Closest hits by testing every primitive with the intersection functions of src/geometry/shapes.
+/// Closest hits of all rays, by testing every primitive with the intersection functions of src/geometry/shapes.
 inline Hits cast_brute_force(const GeometryTables& tables, Rays& rays)
 {
     const RayArrays arrays = rays.arrays();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Closed meshes are watertight: rays from inside that are aimed at edges and vertices always hit.
+/// Tests that closed meshes are watertight: rays from inside that are aimed at edges and vertices always hit.
 #include <gtest/gtest.h>
 
 #include "compare_with_brute_force.h"

@@ -8,7 +8,8 @@
 
 #include "compile/compiled_scenes.h"
 
-// Tests of compiled tables: most errors in them would show in an image only as noise, or where two errors cancel.
+// Tests of compiled geometry tables. Most errors in them would show in an image only as noise, or not at all where two
+// errors cancel.
 namespace fathom {
 namespace {
 
@@ -91,7 +92,8 @@ TEST(GeometryTable, NormalsStayPerpendicular)
     }
 }
 
-/// Positions of moving shapes; a mesh with several instances is stored once, with a map to its object space.
+/// Moving shapes have positions relative to their instances; a mesh with several instances is stored once, with a map
+/// to its object space.
 TEST(GeometryTable, InstancesMapBack)
 {
     SceneDescription d = empty_scene();
@@ -238,7 +240,8 @@ TEST(GeometryTable, TrianglesThatShowTheirUvAreNotJoined)
         for (const bool mixed : {false, true}) EXPECT_EQ(quads(change, mixed), 0u);
 }
 
-/// Bezier control points of each basis, shared between neighboring segments, and each segment's place along the curve.
+/// The Bezier control points of each basis are shared between neighboring segments, and each segment knows its place
+/// along the curve.
 TEST(GeometryTable, CurvesBecomeBezierSegments)
 {
     for (const CurveBasis basis :
@@ -259,7 +262,7 @@ TEST(GeometryTable, CurvesBecomeBezierSegments)
         ASSERT_EQ(t.curves.size(), segments);
         EXPECT_EQ(t.curves.front().u0, 0);
         EXPECT_EQ(t.curves.back().u1, 1);
-        // Point at parameter t of a segment, by the basis' weights and by the Bezier weights.
+        // The triangles are a point at the first key, a point at the last key, always a line, and never finite.
         const auto weights = [](CurveBasis of, double x, double(&w)[4]) {
             const double s = 1 - x;
             if (of == CurveBasis::bezier)

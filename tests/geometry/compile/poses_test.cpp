@@ -6,7 +6,7 @@
 #include "geometry/bvh/rays_and_scenes.h"
 #include "geometry/motion.h"
 
-// Interpolated poses at any time against plain arithmetic in double precision.
+// Tests of interpolated poses at any time against plain arithmetic in double precision.
 namespace fathom {
 namespace {
 
@@ -25,15 +25,15 @@ PoseRecord random_pose(Random& random, float time)
     return pose;
 }
 
-/// Interpolated poses against slerp in double precision: stretch, then rotation by the quaternion's sandwich product,
-/// then translation.
+/// Interpolated poses agree with slerp in double precision: stretch, then rotation by the quaternion's sandwich
+/// product, then translation.
 TEST(Poses, InDouble)
 {
     struct Quaternion {
         double x, y, z, w;
     };
     const auto turned = [](Quaternion q, Vec3d v) {
-        // v + 2 u x (u x v + w v) with the vector part u (Rodrigues).
+        // This is v + 2 u x (u x v + w v) with the vector part u (Rodrigues).
         const Vec3d u{q.x, q.y, q.z};
         return v + 2 * cross(u, cross(u, v) + q.w * v);
     };
@@ -90,7 +90,7 @@ TEST(Poses, InDouble)
                 float x[6][lanes];
                 store(x[0], got.x), store(x[1], got.y), store(x[2], got.z);
                 store(x[3], again.x), store(x[4], again.y), store(x[5], again.z);
-                const double tolerance = 2e-3;  // absolute, for values of a few hundred
+                const double tolerance = 2e-3;  // absolute tolerance, for values of a few hundred
                 EXPECT_NEAR(x[0][0], e.x, tolerance) << i << " at " << time;
                 EXPECT_NEAR(x[1][0], e.y, tolerance) << i << " at " << time;
                 EXPECT_NEAR(x[2][0], e.z, tolerance) << i << " at " << time;
@@ -102,7 +102,7 @@ TEST(Poses, InDouble)
     }
 }
 
-/// Index of the last key before a time, and the fraction of the interval to the next key.
+/// A time is mapped to the last key before it, and to the fraction of the interval to the next key.
 TEST(Poses, KeysOfVertices)
 {
     GeometryTables tables;

@@ -19,7 +19,7 @@
 #include "geometry/displacement/subdivision.h"
 #include "geometry/displacement/texture_detail.h"
 
-// Displacement along normals: expected shapes, and no gaps.
+// Tests of displacement along normals: expected shapes, and no gaps.
 namespace fathom {
 namespace {
 
@@ -243,7 +243,7 @@ TEST(Displacement, ARampTiltsAPlane)
     }
 }
 
-/// Subdivision for a 64 x 32 texture that is mapped by position, in a texture space of half the size.
+/// Subdivision is that for a 64 x 32 texture that is mapped by position, in a texture space of half the size.
 TEST(Displacement, DetailFollowsMappingsByPlace)
 {
     Mesh mesh;
@@ -358,7 +358,7 @@ TEST(Displacement, TrianglesAreCutIntoTheirParts)
     }
 }
 
-/// A bent strip with smooth shading, and one with a hard edge.
+/// A bent strip with smooth shading is compared with one that has a hard edge.
 TEST(Displacement, HardEdgesStayHardAndSmoothOnesSmooth)
 {
     for (const bool smooth : {false, true}) {

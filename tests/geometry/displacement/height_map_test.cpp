@@ -10,7 +10,7 @@
 #include "fathom/image.h"
 #include "fathom/render.h"
 
-// Bump maps bend normals like the surface with these heights.
+// Tests that bump maps bend normals like a surface with the same heights.
 namespace fathom {
 namespace {
 
@@ -67,7 +67,7 @@ double seen(const std::function<double(double, double)>& height, float scale, Ve
     return image.layers[0].pixels.at(3 * 4);
 }
 
-/// Lambertian reflection of the surface z = scale * height with the given slopes.
+/// Lambertian reflection of the surface z = scale * height, for the given slopes.
 double expected(double slope_x, double slope_y, Vec3d to_sun)
 {
     return 0.5 / std::numbers::pi * dot(normalize(Vec3d{-slope_x, -slope_y, 1}), normalize(to_sun));

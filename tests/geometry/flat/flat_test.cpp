@@ -6,7 +6,7 @@
 #include "geometry/bvh/plain.h"
 #include "geometry/bvh/rays_and_scenes.h"
 
-// Flat scenes, traced as lists: merged boxes, and shadow lists without shapes that can't block a ray, against
+// Tests of flat scenes, traced as lists: merged boxes, and shadow lists without shapes that can't block a ray, against
 // double-precision brute force.
 namespace fathom {
 namespace {
@@ -57,8 +57,8 @@ void add_box(GeometryTables& tables, Vec3f lo, Vec3f hi, int faces)
 
 constexpr int oriented_boxes = 3;
 
-/// A parallelepiped with the given number of faces, opposite pairs first. The corner and edge order of each face is
-/// random.
+/// Adds a parallelepiped with the given number of faces, opposite pairs first. The corner and edge order of each face
+/// is random.
 void add_turned_box(GeometryTables& tables, Random& random, Vec3f origin, const Vec3f (&edges)[3], int faces)
 {
     for (int i = 0; i < faces; ++i) {
@@ -138,7 +138,7 @@ TEST(Flat, NearestHits)
                     return nearest(tables, plain::wide(o), plain::wide(d), time, grow);
                 };
                 const Found larger = plain(1e-4), smaller = plain(-1e-4);
-                // Skip rays whose result depends on an edge or on the surface at the origin.
+                // Rays whose result depends on an edge or on the surface at the origin are skipped.
                 if (larger.primitive != smaller.primitive || larger.t < 1e-3) continue;
                 const Hit hit = flat.closest(tables, {Vec3(o), Vec3(d), Float(infinity), Float(time)});
                 ASSERT_EQ(lane(hit.primitive, 0), larger.primitive) << faces << " " << seed << " " << i;
@@ -204,7 +204,7 @@ TEST(Flat, Shadows)
             }
 }
 
-/// Parallelograms that become an oriented box: four or more faces, two of them opposite.
+/// Parallelograms become an oriented box if there are four or more faces, two of them opposite.
 TEST(Flat, TurnedBoxes)
 {
     const Vec3f edges[3] = {{1, 0.5f, 0}, {-0.5f, 1, 0.2f}, {0, 0.3f, 1}};
@@ -224,7 +224,7 @@ TEST(Flat, TurnedBoxes)
     EXPECT_EQ(found({1, 2, 3, 4}), 1u);
     EXPECT_EQ(found({0, 1, 2}), 0u);
     EXPECT_EQ(found({1, 3, 5}), 0u);
-    // Six parallelograms that form no box because two are side by side.
+    // These six parallelograms form no box because two are side by side.
     GeometryTables tables = empty_tables();
     for (int i = 0; i < 6; ++i) tables.quads.push_back({{float(i), float(i), 0}, {1, 1, 0}, {-1, 1, 0}});
     finish(tables);
@@ -253,7 +253,7 @@ TEST(Flat, TheOnlyLampIsNoObstacle)
     }
 }
 
-/// Scenes that are traced as a list, and scenes that need a BVH.
+/// Small scenes are traced as a list; others need a BVH.
 TEST(Flat, Fits)
 {
     GeometryTables tables = empty_tables();

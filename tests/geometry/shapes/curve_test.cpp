@@ -12,7 +12,7 @@ Vec4f point_with(Vec3f p, float radius)
     return {p.x, p.y, p.z, radius};
 }
 
-/// World-space curves: shape 0 round cubic, 1 cubic ribbons, 2 round linear, 3 linear ribbons; and points.
+/// Makes world-space curves and points: shape 0 is round cubic, 1 cubic ribbons, 2 round linear, 3 linear ribbons.
 GeometryTables curves(std::size_t n, float radius, float size, float thickness, Vec3f offset = {})
 {
     Random random(n + 100);
@@ -56,7 +56,7 @@ TEST(Curves, degenerate)
 {
     GeometryTables tables = curves(40, 10, 3, 0.5f);
     Random random(3);
-    // Curves that are points, zero radii, radii that vanish, one sphere inside the other, and a hairpin.
+    // Some curves are degenerate: points, zero radii, radii that vanish, one sphere inside the other, and a hairpin.
     for (std::size_t i = 0; i < 160; i += 4) {
         Vec4f* p = &tables.curve_points[i];
         switch (i / 4 % 5) {
@@ -279,7 +279,7 @@ TEST(MovingCurves, placed_by_what_moves)
 TEST(MovingCurves, degenerate_and_not_finite)
 {
     GeometryTables tables = moving_curves(curves(10, 1, 1, 0.5f), {0, 1}, 0.5f, 0.5f);
-    // Zero radius at both keys, at the first, at the last; and a curve that is a point at the first key.
+    // Radii are zero at both keys, at the first, or at the last, and one curve is a point at the first key.
     const std::uint32_t n = tables.shapes[0].moving_vertices;
     Vec4f* const p = tables.curve_points.data();
     for (std::size_t k = 0; k < 4; ++k) {
@@ -337,7 +337,7 @@ PieceHit intersect_piece(Vec3f a, float ra, Vec3f b, float rb, Vec3f o, Vec3f d,
     return {(mask_bits(m) & 1) != 0, ts[0], ws[0]};
 }
 
-/// Sphere tracing of the swept solid in double precision: first distance inside, refined by bisection.
+/// Sphere tracing of the swept solid in double precision: returns the first distance inside, refined by bisection.
 double march(Vec3f a, float ra, Vec3f b, float rb, Vec3f o, Vec3f d, double far)
 {
     const auto outside = [&](double t) {
@@ -352,7 +352,7 @@ double march(Vec3f a, float ra, Vec3f b, float rb, Vec3f o, Vec3f d, double far)
     };
     if (outside(0) <= 0) return -1;  // the ray starts inside
     for (double t = 0; t < far;) {
-        // A step below the true distance, but not by much.
+        // The step is below the true distance, but not by much.
         const double next = t + std::max(0.2 * outside(t), 1e-5);
         if (outside(next) <= 0) {
             double low = t, high = next;
@@ -385,7 +385,7 @@ TEST(Curves, round_pieces_are_swept_balls)
         }
         if (!met.hit) continue;
         ++hits;
-        // distance is inexact at grazing angles; below, the distance from the surface
+        // The distance t is inexact at grazing angles; the check below uses the distance from the surface.
         EXPECT_NEAR(met.t, expected, 2e-3) << i;
         const double w = met.w, g = double(rb) - ra;
         double d2 = 0;

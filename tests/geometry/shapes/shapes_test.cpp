@@ -30,7 +30,8 @@ Hit no_hit(const Ray& ray)
     return {ray.t_max, UInt(no_index), UInt(no_index), Float(0), Float(0)};
 }
 
-/// Only rays for which a slightly larger and a slightly smaller triangle agree.
+/// Triangles agree with double precision. Only rays for which a slightly larger and a slightly smaller triangle agree
+/// are tested.
 TEST(Shapes, TrianglesInDouble)
 {
     Random random(1);
@@ -97,12 +98,12 @@ TEST(Shapes, TrianglesWithoutAreaStopNoRay)
     const Ray ray = ray_of({0, 0, 0}, {0, 0, 1});
     const TriangleRay along(ray);
     const Vec3f triangles[][3] = {
-        {{0, 0, 1}, {0, 0, 1}, {0, 0, 1}},             // a point on the ray
-        {{-1, -1, 1}, {1, 1, 1}, {1, 1, 1}},           // a segment across the ray
-        {{-1, 0, 1}, {1, 0, 1}, {0, 0, 1}},            // three collinear vertices
-        {{0, -1, 1}, {0, 1, 1}, {0, 0, 3}},            // seen edge-on
-        {{0, 0, -1}, {0, 0, 1}, {0, 0, 2}},            // a segment along the ray
-        {{-1e-30f, 0, 1}, {1e-30f, 0, 1}, {0, 0, 1}},  // edge functions underflow
+        {{0, 0, 1}, {0, 0, 1}, {0, 0, 1}},             // the triangle is a point on the ray
+        {{-1, -1, 1}, {1, 1, 1}, {1, 1, 1}},           // the triangle is a segment across the ray
+        {{-1, 0, 1}, {1, 0, 1}, {0, 0, 1}},            // the triangle has three collinear vertices
+        {{0, -1, 1}, {0, 1, 1}, {0, 0, 3}},            // the triangle is seen edge-on
+        {{0, 0, -1}, {0, 0, 1}, {0, 0, 2}},            // the triangle is a segment along the ray
+        {{-1e-30f, 0, 1}, {1e-30f, 0, 1}, {0, 0, 1}},  // the edge functions underflow
         {{-1e-30f, 0, 1}, {1e-30f, 0, 1}, {0, 1e-30f, 1}},
     };
     for (const auto& v : triangles) {
@@ -124,7 +125,7 @@ TEST(Shapes, SharedEdgesBelongToTheLowestNumber)
 {
     const Vec3f corner[4] = {{0, 0, 1}, {1, 0, 1}, {1, 1, 1}, {0, 1, 1}};
     const int triangles[2][3] = {{0, 1, 2}, {0, 2, 3}};
-    // Points on the diagonal, which are exact; rays along z and from a corner.
+    // Points on the diagonal are exact; rays run along z and from a corner.
     for (const float x : {0.0f, 0.25f, 0.5f, 0.75f, 1.0f})
         for (const Vec3f& o : {Vec3f{x, x, 0}, {0, 0, 0}, {x, x, 3}})
             for (const bool swapped : {false, true}) {
@@ -140,7 +141,7 @@ TEST(Shapes, SharedEdgesBelongToTheLowestNumber)
             }
 }
 
-/// The nearest of two hits counts in either order; nothing beyond the ray's end or behind its origin.
+/// The nearest of two hits counts in either order, but nothing beyond the ray's end or behind its origin.
 TEST(Shapes, TheNearestCounts)
 {
     const auto triangle_at = [](float z) { return std::array{Vec3f{-1, -1, z}, Vec3f{2, -1, z}, Vec3f{-1, 2, z}}; };

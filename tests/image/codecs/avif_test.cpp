@@ -7,7 +7,7 @@
 #include "fathom/error.h"
 #include "image/pictures.h"
 
-// AVIF files that libavif writes directly, and our AVIF writer compared with our PNG writer.
+// Tests of AVIF files that libavif writes directly, and of our AVIF writer against our PNG writer.
 namespace fathom {
 namespace {
 
@@ -91,7 +91,7 @@ TEST(Avif, CodesOfEveryDepthAreKept)
             }
 }
 
-/// Gray values of a 3 x 2 image with the file's crop, rotation and mirroring.
+/// Gray values of a 3 x 2 image with the given crop, rotation and mirroring of the file.
 std::vector<int> grays(avifTransformFlags flags, int angle, std::uint8_t mirror, int bits)
 {
     const auto code = [](int x, int y, int) { return 1 + x + 3 * y; };
@@ -99,7 +99,7 @@ std::vector<int> grays(avifTransformFlags flags, int angle, std::uint8_t mirror,
     planes->transformFlags = flags;
     planes->irot.angle = std::uint8_t(angle);
     planes->imir = {mirror};
-    // crop to 2 of 3 columns, centered half a pixel right of the image's center
+    // The crop is 2 of 3 columns, centered half a pixel right of the image's center.
     planes->clap = {2, 1, 2, 1, 1, 2, 0, 1};
     const Image image = read(file_of(planes));
     std::vector<int> codes = {image.width};
@@ -162,7 +162,7 @@ TEST(Avif, IsWrittenLikePngAtTheBestQuality)
     }
 }
 
-/// Largest error of color and alpha codes, 0 to 1.
+/// Largest errors of color and of alpha codes, from 0 to 1.
 std::array<double, 2> errors_at(int quality)
 {
     Image image = test::make_test_image(64, 48, {"R", "G", "B", "A"});

@@ -5,7 +5,7 @@
 #include "fathom/error.h"
 #include "image/pictures.h"
 
-// Truncated or corrupted files give an Error or an image of the right size, never anything else.
+// Tests that truncated or corrupted files give an Error or an image of the right size, never anything else.
 namespace fathom {
 namespace {
 
@@ -74,8 +74,8 @@ TEST(Damage, WrongBytesDoNotCrash)
 
 TEST(Damage, SizesBeyondMemoryAreRefused)
 {
-    // Width and height of a valid file replaced by 1,000,000; only HDR, EXR and PNM, because PNG has a checksum over
-    // them.
+    // Width and height of a valid file are replaced by 1,000,000; only in HDR, EXR and PNM, because PNG has a checksum
+    // over them.
     const std::string pnm = "P6\n16000000 16000000\n255\n";
     EXPECT_THROW(read_image("a.ppm", pnm.data(), pnm.size()), Error);
     const std::string hdr = "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 16000000 +X 16000000\n\x02\x02";

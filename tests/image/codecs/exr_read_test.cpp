@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// EXR files as other programs write them, made with OpenEXR's writers.
+// Tests of EXR files as other programs write them, made with OpenEXR's writers.
 #include <ImfChannelList.h>
 #include <ImfFrameBuffer.h>
 #include <ImfMultiPartOutputFile.h>
@@ -22,7 +22,7 @@ namespace fathom {
 namespace {
 
 using test::TemporaryFolder;
-using Value = std::function<double(int x, int y)>;  ///< value at pixel coordinates of the file
+using Value = std::function<double(int x, int y)>;  ///< value at the pixel coordinates of the file
 
 struct Channel {
     Imf::PixelType type;
@@ -201,7 +201,7 @@ TEST_F(ExrRead, Parts)
 
 const Imf::Chromaticities wide{{0.7f, 0.3f}, {0.2f, 0.75f}, {0.14f, 0.05f}, {0.32f, 0.33f}};
 
-/// Luminance weights by SMPTE RP 177, computed independently of OpenEXR (BT.709: 0.2126, 0.7152, 0.0722).
+/// Luminance weights are those of SMPTE RP 177, computed independently of OpenEXR (BT.709: 0.2126, 0.7152, 0.0722).
 TEST_F(ExrRead, LuminanceWithFullChroma)
 {
     const double r = 0.8, g = 0.3, b = 0.1, y = 0.2126 * r + 0.7152 * g + 0.0722 * b;
@@ -215,7 +215,7 @@ TEST_F(ExrRead, LuminanceWithFullChroma)
     EXPECT_EQ(at(image, 2, 1, "A"), 0.5f);
 }
 
-/// OpenEXR's luminance-chroma files with nonstandard primaries: smooth images are restored.
+/// Smooth images in OpenEXR's luminance-chroma files with nonstandard primaries are restored.
 TEST_F(ExrRead, LuminanceWithChromaAtHalf)
 {
     constexpr int width = 32, height = 24;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Radiance HDR and portable float maps (PFM), byte by byte.
+// Tests of Radiance HDR and portable float maps (PFM), byte by byte.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -30,7 +30,8 @@ std::string error_of(const std::string& bytes)
     return "read";
 }
 
-/// Scanlines of codes (r, g, 0, 128): (r / 256, g / 256, 0), where r numbers the scanline and g the pixel in it.
+/// An HDR file whose scanlines have codes (r, g, 0, 128): (r / 256, g / 256, 0), where r numbers the scanline and g the
+/// pixel in it.
 std::string hdr(const std::string& header, const std::string& resolution, int runs, int length)
 {
     std::string bytes = "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n" + header + "\n" + resolution + "\n";

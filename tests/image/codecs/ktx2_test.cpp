@@ -11,8 +11,8 @@
 namespace fathom {
 namespace {
 
-// Written by Basis Universal's own encoder, of 8x4 pixels: on the left (200, 40, 24) with alpha 255, on the right (32,
-// 160, 80) with alpha 102. Packed as UASTC, and as ETC1S.
+// The files were written by Basis Universal's own encoder, with 8x4 pixels: on the left (200, 40, 24) with alpha 255,
+// on the right (32, 160, 80) with alpha 102. One is packed as UASTC, the other as ETC1S.
 // clang-format off
 constexpr unsigned char uastc[] = {
     0xab, 0x4b, 0x54, 0x58, 0x20, 0x32, 0x30, 0xbb, 0x0d, 0x0a, 0x1a, 0x0a, 0x00, 0x00, 0x00, 0x00, 0x01, 0x00, 0x00, 0x00,

@@ -9,7 +9,7 @@
 #include "image/pictures.h"
 #include "support/memory_limit.h"
 
-// Valid or nearly valid files of forms that our writers never produce.
+// Tests of valid or nearly valid files of forms that our writers never produce.
 namespace fathom {
 namespace {
 
@@ -25,7 +25,7 @@ std::string error_of_image(const std::string& bytes)
     return "read";
 }
 
-/// Value in little-endian byte order.
+/// Bytes of a value in little-endian order.
 template <class T>
 std::string raw(T value)
 {

@@ -11,7 +11,7 @@
 #include "image/color/tonemap.h"
 #include "image/pictures.h"
 
-// Displays of small OpenColorIO configurations with known values.
+// Tests of displays of small OpenColorIO configurations with known values.
 namespace fathom {
 namespace {
 
@@ -145,7 +145,7 @@ TEST_F(Ocio, InputIsFoundOrNamed)
     expect_codes({0.125f, 0.0625f, 0.25f}, {0.5f, 0.25f, 1});
 }
 
-/// Through ACES2065-1 by role: the matrix from Rec.709 that ACES publishes (SMPTE ST 2065-1).
+/// The input is found by the role of ACES2065-1, through the matrix from Rec.709 that ACES publishes (SMPTE ST 2065-1).
 TEST_F(Ocio, InputByTheRoleForInterchange)
 {
     write(configuration("ACES2065-1", "  aces_interchange: plain\n"));

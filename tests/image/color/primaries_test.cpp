@@ -41,7 +41,7 @@ TEST(Primaries, MatricesAreThePublishedOnes)
 
 TEST(Primaries, WhiteStaysWhite)
 {
-    // Display P3 (D65), ROMM (D50), CIE XYZ (E).
+    // The color spaces are Display P3 (D65), ROMM (D50) and CIE XYZ (E).
     const Chromaticities others[] = {{{0.68f, 0.32f}, {0.265f, 0.69f}, {0.15f, 0.06f}, {0.3127f, 0.329f}},
                                      {{0.7347f, 0.2653f}, {0.1596f, 0.8404f}, {0.0366f, 0.0001f}, {0.3457f, 0.3585f}},
                                      {{1, 0}, {0, 1}, {0, 0}, {1 / 3.f, 1 / 3.f}},
@@ -57,7 +57,7 @@ TEST(Primaries, WhiteStaysWhite)
     }
 }
 
-/// With equal white points there is no chromatic adaptation: red of Rec.709 has the XYZ values of IEC 61966-2-1.
+/// There is no chromatic adaptation for equal white points: red of Rec.709 has the XYZ values of IEC 61966-2-1.
 TEST(Primaries, RedOfRec709InXyz)
 {
     const Chromaticities xyz{{1, 0}, {0, 1}, {0, 0}, {0.3127f, 0.329f}};
@@ -68,7 +68,7 @@ TEST(Primaries, RedOfRec709InXyz)
     for (std::size_t i = 0; i < 3; ++i) EXPECT_NEAR(m[i][0] * white[i], red[i], 5e-5);
 }
 
-/// CIE 15: D50, D55, D65, D75, and illuminant A at 2856 K.
+/// CIE 15 gives the white points of D50, D55, D65, D75, and of illuminant A at 2856 K.
 TEST(Primaries, WhitesOfTemperatures)
 {
     struct Known {

@@ -56,7 +56,7 @@ Matrix3 inverse(const Matrix3& m)
 TEST(Tonemap, SrgbCodesByHand)
 {
     const DisplayMap map({0, Tonemap::srgb});
-    // 255 (1.055 x^(1/2.4) - 0.055), and 255 * 12.92 x below 0.0031308.
+    // Codes are 255 (1.055 x^(1/2.4) - 0.055), and 255 * 12.92 x below 0.0031308.
     EXPECT_EQ(code8(map, 0), 0);
     EXPECT_EQ(code8(map, 0.001f), 3);       // 3.29 before rounding
     EXPECT_EQ(code8(map, 0.0031308f), 10);  // 10.31 before rounding
@@ -126,23 +126,23 @@ Rgb hill(const Rgb& radiance)
     return shown;
 }
 
-/// AgX from its sources: primaries of Rec.709 and Rec.2020, and the inverse of the outset matrix of Blender's
+/// AgX, computed from its sources: primaries of Rec.709 and Rec.2020, and the inverse of the outset matrix of Blender's
 /// configuration.
 Rgb sobotka(const Rgb& radiance)
 {
-    // Matrix from Rec.709 to Rec.2020 of ITU-R BT.2087; its inverse converts back.
+    // The matrix from Rec.709 to Rec.2020 is that of ITU-R BT.2087; its inverse converts back.
     const Matrix3 to_2020 = {
         {{0.6274039, 0.3292830, 0.0433131}, {0.0690973, 0.9195404, 0.0113623}, {0.0163914, 0.0880133, 0.8955953}}};
     const Matrix3 inset = {{{0.856627153315983, 0.0951212405381588, 0.0482516061458583},
                             {0.137318972929847, 0.761241990602591, 0.101439036467562},
                             {0.11189821299995, 0.0767994186031903, 0.811302368396859}}};
-    // Inverse outset of Blender: E. Chow's AgXBaseRec2020, rounded.
+    // The inverse outset is Blender's: E. Chow's AgXBaseRec2020, rounded.
     const Matrix3 before_outset = {{{0.899796955911611, 0.0871996192028351, 0.013003424885555},
                                     {0.11142098895748, 0.875575586156966, 0.0130034248855548},
                                     {0.11142098895748, 0.0871996192028349, 0.801379391839686}}};
     Rgb v = product(inset, product(to_2020, radiance));
     for (double& x : v) {
-        // Blender's polynomial in Horner's form instead of powers.
+        // The curve is Blender's polynomial in Horner's form instead of powers.
         const double ev = std::log2(std::max(x, 1e-10)), least = std::log2(0.18) - 10, most = std::log2(0.18) + 6.5;
         const double t = std::clamp((ev - least) / (most - least), 0.0, 1.0);
         x = -0.00232 + t * (0.1191 + t * (0.4298 + t * (-6.868 + t * (31.96 + t * (-40.14 + t * 15.5)))));
@@ -173,7 +173,7 @@ TEST(Tonemap, CurvesAreTheirFormulae)
     std::uint32_t state = 7;
     const auto random = [&] { return double((state = state * 1664525u + 1013904223u) >> 8) * 0x1p-24; };
     for (int i = 0; i < 3000; ++i) {
-        // Values from 2^-12 to 2^8, and black channels.
+        // Values range from 2^-12 to 2^8, and some channels are black.
         Rgb c{};
         for (double& x : c) x = random() < 0.1 ? 0 : double(float(std::exp2(20 * random() - 12)));
         const Color radiance{float(c[0]), float(c[1]), float(c[2])};

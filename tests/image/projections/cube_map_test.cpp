@@ -43,7 +43,7 @@ TEST(CubeMap, EachAxisShowsItsFace)
     for (std::size_t i = 0; i < 6; ++i) EXPECT_EQ(shown(faces, axes[i], i % 3), float(i + 1)) << i;
 }
 
-/// Directions of the upper corners of each face, from the figures of the OpenGL specification.
+/// The upper corners of each face have the directions in the figures of the OpenGL specification.
 TEST(CubeMap, FacesAreTurnedAsInOpenGl)
 {
     constexpr Vec3d left[] = {{1, 1, 1}, {-1, 1, -1}, {-1, 1, -1}, {-1, -1, 1}, {-1, 1, 1}, {1, 1, -1}};
@@ -89,8 +89,8 @@ TEST(CubeMap, LightIsKept)
         const double a = 2.0 * place / size - 1, b = 2.0 * (place + square) / size - 1;
         const double expected =
             solid_angle_to(b, b) - solid_angle_to(a, b) - solid_angle_to(b, a) + solid_angle_to(a, a);
-        // Texels of the result are at most a quarter of a face texel wide and lie inside or outside as a whole: an
-        // error of up to an eighth on either side.
+        // Texels of the result are at most a quarter of a face texel wide and lie inside or outside as a whole, which
+        // gives an error of up to an eighth on either side.
         EXPECT_NEAR(light / expected, 1, 2 * 0.125 * 2 / square) << place;
     }
 }

@@ -10,12 +10,13 @@
 #include "lights/kinds/records.h"
 #include "lights/sky/sky.h"
 
-// Tests of compiled tables: most errors in them would show in an image only as noise, or where two errors cancel.
+// Tests of compiled light tables. Most errors in them would show in an image only as noise, or not at all where two
+// errors cancel.
 namespace fathom {
 namespace {
 
-/// Selection probabilities sum to 1, match the cumulative table and are proportional to power: area * radiance * pi,
-/// doubled for two sides, and 4 pi * intensity; at least a hundredth of the mean.
+/// Selection probabilities sum to 1, match the cumulative table and are proportional to power, which is area * radiance
+/// * pi, doubled for two sides, and 4 pi * intensity; they are at least a hundredth of the mean.
 TEST(LightTable, ProbabilitiesGoWithPower)
 {
     SceneDescription d = empty_scene();
@@ -34,7 +35,7 @@ TEST(LightTable, ProbabilitiesGoWithPower)
     ASSERT_EQ(t.lights.size(), 6u);
     ASSERT_EQ(t.light_cdf.size(), 7u);
     const double pi = std::numbers::pi;
-    // In table order: quads, spheres, disks, lights. The small one is raised to a hundredth of the mean.
+    // Powers are in table order: quads, spheres, disks, lights. The small one is raised to a hundredth of the mean.
     std::vector<double> power = {3 * 6 * pi,           2 * 3 * 6 * pi, 0, 3 * 4 * pi * 0.25 * pi,
                                  3 * pi * 0.5625 * pi, 2 * 4 * pi};
     double total = 0;
@@ -115,7 +116,7 @@ TEST(LightTable, TheSunOfASky)
         EXPECT_NEAR(double(sun.radiance[0]) * solid_angle / (2 * double(arrives.r)), 1, 1e-5);
         EXPECT_NEAR(double(sun.radiance[1]) * solid_angle / (3 * double(arrives.g)), 1, 1e-5);
         EXPECT_NEAR(double(sun.radiance[2]) * solid_angle / (5 * double(arrives.b)), 1, 1e-5);
-        // The visible sun agrees: the sky image's center column looks along +x, towards the sun.
+        // The visible sun agrees with it: the sky image's center column looks along +x, towards the sun.
         const EnvironmentRecord& e = t.environment;
         const auto at = [&](int x, int y) { return double(e.texels[std::size_t(4 * (y * e.width + x) + 1)]); };
         EXPECT_GT(at(e.width / 2, e.height / 3), 1.5 * at(0, e.height / 3));
@@ -212,7 +213,7 @@ TEST(EnvironmentTable, DistributionFollowsTheImage)
     Image image;
     image.width = 16, image.height = 8;
     image.layers.push_back({"", {"R", "G", "B"}, std::vector<float>(16 * 8 * 3, 0)});
-    image.layers[0].pixels[3 * (2 * 16 + 0) + 1] = 9;  // column 0, row 2
+    image.layers[0].pixels[3 * (2 * 16 + 0) + 1] = 9;  // one channel of the texel at column 0, row 2
     write_image(file, image, {});
     SceneDescription d = empty_scene();
     d.images.push_back({"sky", file, {}});
@@ -224,7 +225,7 @@ TEST(EnvironmentTable, DistributionFollowsTheImage)
     const EnvironmentRecord& e = scene.data().tables->environment;
     ASSERT_EQ(e.marginal.size(), 9u);
     ASSERT_EQ(e.conditional.size(), 8u * 17);
-    // Mean over 3 x 3 texels times the sine of the row: rows 1, 2, 3, columns 15, 0, 1.
+    // Luminance of a row is the mean over 3 x 3 texels times the sine: rows 1, 2, 3, columns 15, 0, 1.
     double rows[8] = {}, total = 0;
     for (int y : {1, 2, 3}) rows[y] = std::sin((y + 0.5) * std::numbers::pi / 8), total += rows[y];
     for (std::size_t y = 0; y < 8; ++y) EXPECT_NEAR(e.marginal[y + 1] - e.marginal[y], rows[y] / total, 1e-6) << y;

@@ -43,7 +43,7 @@ Transform place_at(const std::vector<NodeKey>& keys, double time)
         .transform();
 }
 
-/// Brute force over times: geometry carried by a motion never leaves its bounds.
+/// By brute force over times: geometry carried by a motion never leaves its bounds.
 TEST(LightMotionBounds, HoldsWhatItCarries)
 {
     int narrow = 0;

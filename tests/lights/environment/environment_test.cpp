@@ -85,7 +85,7 @@ TEST(Environment, PointsOfTheImage)
             EXPECT_NEAR(first(at.u), u, 2e-5) << u << " " << v;
             EXPECT_NEAR(first(at.v), v, 2e-5) << u << " " << v;
         }
-    // Image coordinates of ahead, right and up.
+    // The directions are ahead, right and up.
     EXPECT_NEAR(first(detail::image_point(lanes_of({1, 0, 0})).u), 0.5, 1e-6);
     EXPECT_NEAR(first(detail::image_point(lanes_of({0, 0, 1})).u), 0.75, 1e-6);
     EXPECT_NEAR(first(detail::image_point(lanes_of({0, 1, 0})).v), 0, 1e-3);
@@ -106,7 +106,7 @@ TEST(Environment, ABrightTexelAppearsInItsDirection)
                 EXPECT_NEAR(first(seen.c[1]), here ? 20 : 0, 2e-3);
                 EXPECT_NEAR(first(seen.c[2]), here ? 300 : 0, 3e-2);
             }
-        // Halfway to the next column (the last column's neighbor is the first) the value is half.
+        // Halfway to the next column the value is half; the last column's neighbor is the first.
         const Spectrum between =
             environment_radiance(tables, lanes_of(direction_of((x + 1.0) / width, (y + 0.5) / height)), Mask(true));
         EXPECT_NEAR(first(between.c[0]), 0.5, 1e-4);
@@ -121,7 +121,7 @@ TEST(Environment, RotatesWithItsMatrix)
     turn.put_into(tables.environment);
     const Vec3d bright = turn.inverse().vector(direction_of(11.5 / 16, 2.5 / 8));
     EXPECT_NEAR(first(environment_radiance(tables, lanes_of(bright), Mask(true)).c[0]), 1, 1e-4);
-    // Rotating in and out is the identity.
+    // rotate_out() is the inverse of rotate_in().
     const Vec3 there = detail::rotate_in(tables.environment, lanes_of({0.36, 0.48, 0.8}));
     const Vec3 back = detail::rotate_out(tables.environment, there);
     EXPECT_NEAR(first(back.x), 0.36, 1e-6);
@@ -151,7 +151,7 @@ TEST(Environment, SamplingFollowsTheDensityWhichIsThatOfTheTables)
         return double(first(environment_pdf(tables, lanes_of({d.x, d.y, d.z}))));
     };
     EXPECT_NEAR(test::integrate_sphere(pdf), 1, 3e-3);
-    // At a cell's center: its probability over (u, v), divided by 2 pi^2 sin(theta) du dv.
+    // The pdf at a cell's center is its probability over (u, v), divided by 2 pi^2 sin(theta) du dv.
     const EnvironmentRecord& e = tables.environment;
     for (const auto& [x, y] : {std::pair{0, 0}, {7, 3}, {11, 9}}) {
         const double share =
@@ -183,7 +183,7 @@ TEST(Environment, SamplingFollowsTheDensityWhichIsThatOfTheTables)
             const double u = std::atan2(d.z, d.x) / (2 * std::numbers::pi) + 0.5,
                          v = std::acos(std::clamp(d.y, -1.0, 1.0)) / std::numbers::pi;
             ++observed[std::size_t(std::clamp(int(v * 10), 0, 9) * 12 + std::clamp(int(u * 12), 0, 11))];
-            // Rounding of the direction: samples near a cell's edge may fall into its neighbor, at the poles into any
+            // Directions are rounded: samples near a cell's edge may fall into its neighbor, and at the poles into any
             // cell.
             const double sine = std::hypot(d.x, d.z), rounding = 3e-6 / sine;
             const auto is_within = [&](double at) { return std::abs(at - std::round(at)) > rounding; };

@@ -11,7 +11,7 @@
 namespace fathom {
 namespace {
 
-/// An IES file with these numbers from the number of lamps onward, after a header.
+/// An IES file with a header and these numbers, from the number of lamps onward.
 std::string file_of(const std::string& numbers, const std::string& head = "IESNA:LM-63-2002\n[TEST] x\nTILT=NONE\n")
 {
     return head + numbers;

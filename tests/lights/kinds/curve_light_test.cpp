@@ -20,7 +20,7 @@ struct CurveCase {
     bool placed;
     Vec3d eye;
     bool within = false;  ///< the viewpoint is closer to the axis than half the width
-    /// Control points at time 1, if they move.
+    /// Control points at time 1, if the curve moves.
     std::vector<Vec4f> then = {};
 };
 /// Time of all rays.
@@ -57,7 +57,7 @@ GeometryTables tables_of(const CurveCase& form)
     t.curves.push_back({0, form.pieces, 0, 1});
     t.shape_of_primitive.push_back(0);
     InstanceRecord instance;
-    // Scaled by 2: render = 2 (object rotated by 90 degrees about y) + (1, 0, 0).
+    // The instance scales by 2: render = 2 (object rotated by 90 degrees about y) + (1, 0, 0).
     instance.object_from_render = {0, 0, -0.5f, 0, 0, 0.5f, 0, 0, 0.5f, 0, 0, -0.5f};
     t.instances.push_back(instance);
     return t;
@@ -75,7 +75,7 @@ public:
         : form_(form), t_(t), curve_(t, UInt(0u), UInt(0u), UInt(form.flags), Float(now), Mask(true))
     {
     }
-    /// Calls f(t, u, m) for each piece.
+    /// Calls f(t, u, m) for each piece of the curve.
     template <class F>
     void for_each_hit(Vec3 o, Vec3 d, const F& f) const
     {
@@ -196,7 +196,7 @@ TEST(CurveLight, DirectionsFollowTheDensity)
                         double(all[k]) * 2 * std::numbers::pi * width[0] * width[1] / n / n;
             }
         double all = 0;
-        // If a curve covers only a corner of a cell, the fine grid of rays may miss it.
+        // A fine grid of rays may miss a curve that covers only a corner of a cell.
         for (double& e : expected) all += e, e = std::max(e * draws, 0.01);
         EXPECT_LT(all, 1.01) << form.name;
         expected.back() = std::max(draws * (1 - all), 0.0);

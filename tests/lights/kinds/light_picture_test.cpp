@@ -66,12 +66,12 @@ TEST(LightImage, EqualAreaPlaces)
     LightTables tables = tables_of(LightPictureMap::equal_area, 5, 5, numbers);
     EXPECT_NEAR(look_up(tables, {0, 0, 1}), 12, 1e-5);
     EXPECT_NEAR(look_up(tables, {0, 0, 1}, 2), 36, 1e-5);
-    // Halfway between the center of the edge's texel and its mirror image, the same texel.
+    // The point is halfway between the center of the edge's texel and its mirror image, which is the same texel.
     EXPECT_NEAR(look_up(tables, {1, 0, 0}), 14, 1e-4);
     EXPECT_NEAR(look_up(tables, {-1, 0, 0}), 10, 1e-4);
     EXPECT_NEAR(look_up(tables, {0, 1, 0}), 2, 1e-4);
     EXPECT_NEAR(look_up(tables, {0, -1, 0}), 22, 1e-4);
-    EXPECT_NEAR(look_up(tables, {0, 0, -1}), 12, 1e-3);  // the mean of the corners
+    EXPECT_NEAR(look_up(tables, {0, 0, -1}), 12, 1e-3);  // the mean of the four corners
     tables.light_pictures[1].flags = LightPictureRecord::nearest;
     EXPECT_EQ(look_up(tables, {1, 1, -4}), 4);
     EXPECT_EQ(look_up(tables, {-1, -1, -4}), 20);
@@ -95,12 +95,12 @@ TEST(LightImage, EqualAreaEdgesMeet)
     }
 }
 
-/// A window of 2 x 2 texels: values between them, at the edges, and outside.
+/// A window of 2 x 2 texels has the expected values between texels, at the edges, and outside.
 TEST(LightImage, PlaneIsAWindow)
 {
     LightTables tables = tables_of(LightPictureMap::plane, 2, 2, {1, 2, 3, 4});
-    tables.light_pictures[1].scale_u = 2;    // the window is half as wide as its distance
-    tables.light_pictures[1].scale_v = 0.5;  // twice as high as its distance
+    tables.light_pictures[1].scale_u = 2;    // the window is half as wide as it is far away
+    tables.light_pictures[1].scale_v = 0.5;  // the window is twice as high as it is far away
     EXPECT_NEAR(look_up(tables, {0, 0, 1}), 2.5, 1e-6);
     EXPECT_NEAR(look_up(tables, {-0.25, 1, 1}), 1, 1e-6);
     EXPECT_NEAR(look_up(tables, {0.25, 1, 1}), 2, 1e-6);
@@ -119,7 +119,8 @@ TEST(LightImage, PlaneIsAWindow)
     EXPECT_EQ(look_up(tables, {-0.01, -0.02, 1}), 3);
 }
 
-/// Rows from 30 to 90 degrees, columns every quarter turn, counterclockwise as seen against the emission direction.
+/// Rows are from 30 to 90 degrees; columns are at every quarter turn, counterclockwise as seen against the emission
+/// direction.
 TEST(LightImage, AnglesHaveTheirValues)
 {
     LightTables tables = tables_of(LightPictureMap::angles, 4, 3, {1, 2, 3, 4, 10, 20, 30, 40, 100, 200, 300, 400});

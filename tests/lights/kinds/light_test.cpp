@@ -42,7 +42,7 @@ LightRecord rectangle_light(Vec3d corner, Vec3d u, Vec3d v)
     return light_of(r);
 }
 
-/// A triangle or parallelogram.
+/// A light that is a triangle or parallelogram.
 template <class Own>
 LightRecord edges_light(Vec3d corner, Vec3d u, Vec3d v)
 {
@@ -61,7 +61,7 @@ LightRecord disk_light(Vec3d center, Vec3d normal, double radius)
     return light_of(d);
 }
 
-/// One-sided.
+/// A one-sided sphere light.
 LightRecord sphere_light(Vec3d center, double radius, Vec3d velocity = {})
 {
     SphereLightRecord s;
@@ -121,7 +121,7 @@ TEST(Rectangle, IsSampledUniformlyByAngleFromNearAndByAreaFromFar)
         const LightReader<false> light(&table, UInt(0u));
         const Vec3 p(Vec3f{float(place.p.x), float(place.p.y), float(place.p.z)});
         test::Random random;
-        // Cells of the rectangle; the expected share is that of their solid angle or area.
+        // The expected share of each cell of the rectangle is that of its solid angle or area.
         const bool far = length(place.corner + (place.u + place.v) * 0.5 - place.p) > length(place.u + place.v);
         constexpr int cells = 8;
         std::vector<double> observed(cells * cells), expected(cells * cells);
@@ -156,7 +156,7 @@ TEST(Rectangle, IsSampledUniformlyByAngleFromNearAndByAreaFromFar)
     }
 }
 
-/// The mean of inverse_pdf without the cosine estimates the solid angle; for kinds sampled by area.
+/// Estimates the solid angle by the mean of inverse_pdf without the cosine; for kinds sampled by area.
 double estimate_solid_angle(const LightRecord& table, Vec3 p)
 {
     const LightReader<false> light(&table, UInt(0u));
@@ -179,7 +179,7 @@ TEST(Lights, InverseDensitiesAverageToTheSolidAngle)
     EXPECT_NEAR(estimate_solid_angle(l, p) / solid_angle({0, 0, 0}, {1, -1, 2}, {2, 0, 0}, {0, 1, 1}), 1, 0.005);
 
     const LightRecord triangle = edges_light<TriangleLightRecord>({1, -1, 2}, {2, 0, 0}, {0, 1, 1});
-    // Solid angle of a triangle: Van Oosterom and Strackee 1983.
+    // The solid angle of a triangle is that of Van Oosterom and Strackee 1983.
     const Vec3d a{1, -1, 2}, b{3, -1, 2}, c{1, 0, 3};
     const double la = length(a), lb = length(b), lc = length(c);
     const double exact =
@@ -237,8 +237,8 @@ void for_samples(const LightRecord& table, Vec3d from, float time, int n, F&& f)
     }
 }
 
-/// For a sphere the mean of inverse_pdf is right for any directions, so their distribution is tested too: cells of
-/// equal solid angle in cosine and azimuth about the center's direction.
+/// For a sphere the mean of inverse_pdf is right for any distribution of directions, so the distribution is tested,
+/// too: cells of equal solid angle in cosine and azimuth about the center's direction.
 TEST(Sphere, IsSampledUniformlyInTheConeThatItFills)
 {
     struct Case {
@@ -250,7 +250,7 @@ TEST(Sphere, IsSampledUniformlyInTheConeThatItFills)
         const LightRecord table = sphere_light(c.center, c.radius);
         const double d = length(c.center), sin2 = c.radius * c.radius / (d * d);
         const bool outside = sin2 < 1;
-        // 1 - cos of the cone, or 2 for all directions.
+        // The spread is 1 - cos of the cone, or 2 for all directions.
         const double spread = outside ? sin2 / (1 + std::sqrt(1 - sin2)) : 2;
         const Vec3d n = normalize(c.center);
         Vec3d s, t;
@@ -266,7 +266,7 @@ TEST(Sphere, IsSampledUniformlyInTheConeThatItFills)
             ++observed[std::size_t(
                 std::clamp(int(lost / spread * rings), 0, rings - 1) * sectors +
                 std::clamp(int((std::atan2(y, x) / (2 * std::numbers::pi) + 0.5) * sectors), 0, sectors - 1))];
-            // The nearer of both intersections from outside, the one in front from inside.
+            // From outside, the nearer of both intersections is the hit; from inside, the one in front.
             const double b = z * d, root = std::sqrt(std::max(0.0, c.radius * c.radius - d * d * sine2));
             ASSERT_NEAR(distance, outside ? b - root : b + root, 2e-3 * d);
             // Only the side that faces the viewpoint emits: the outside if radius > 0, else the inside.
@@ -379,8 +379,8 @@ TEST(PointLight, FallsOffWithTheSquareOfTheDistance)
     }
 }
 
-/// KHR_lights_punctual: full intensity inside the inner cone, zero outside the outer, between them the squared fraction
-/// of the cosine.
+/// By KHR_lights_punctual, intensity is full inside the inner cone and zero outside the outer one; between them it is
+/// the squared fraction of the cosine.
 TEST(SpotLight, FallsOffBetweenItsCones)
 {
     const double inner = 0.4, outer = 0.9;
@@ -440,7 +440,7 @@ TEST(DirectionalLight, ComesFromOneDirectionOrADisk)
         EXPECT_TRUE(std::isinf(first(s.distance)));
         EXPECT_TRUE(first(s.is_delta));
     }
-    // A disk: directions are uniform within its cone, so inverse_pdf is the solid angle.
+    // The light is a disk, in whose cone directions are uniform, so inverse_pdf is the solid angle.
     sun.one_minus_cos = 0.2f;
     table.set(sun);
     Vec3d s, t;

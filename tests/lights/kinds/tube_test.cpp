@@ -73,12 +73,12 @@ struct Case {
     Vec3d p;
 };
 const Case cases[] = {
-    {{1, 0.1}, {0.5, 0.7, 0.2}},      // beside it
-    {{1, 0.1}, {0.3, -0.4, 3}},       // beyond an end
-    {{1, 0.1}, {0.06, 0.085, -0.9}},  // close to it
-    {{2, 1.5}, {-1.6, 0.3, -1}},      // close to a thick one
-    {{0.5, 0.01}, {40, -20, 10}},     // far away
-    {{0.5, 0.01}, {0.4, 0.3, -50}},   // far along the axis
+    {{1, 0.1}, {0.5, 0.7, 0.2}},      // a point beside the tube
+    {{1, 0.1}, {0.3, -0.4, 3}},       // a point beyond an end
+    {{1, 0.1}, {0.06, 0.085, -0.9}},  // a point close to the tube
+    {{2, 1.5}, {-1.6, 0.3, -1}},      // a point close to a thick tube
+    {{0.5, 0.01}, {40, -20, 10}},     // a point far away
+    {{0.5, 0.01}, {0.4, 0.3, -50}},   // a point far away along the axis
 };
 
 TEST(TubeLight, SamplesLieOnTheSideThatFacesThePoint)
@@ -124,7 +124,7 @@ TEST(TubeLight, SamplesHaveTheirDensity)
     }
 }
 
-/// Irradiance of a point that faces the tube. Infinite length: E = pi L r / d.
+/// Irradiance of a point that faces the tube, which is E = pi L r / d for infinite length.
 TEST(TubeLight, IrradianceIsThatOfACylinder)
 {
     const auto irradiance = [](const Tube& tube, double d) {

@@ -9,7 +9,7 @@
 namespace fathom {
 namespace {
 
-/// Values of Mitsuba 3.9.1's `sunsky`, also between the table's turbidities, albedos and solar elevations.
+/// Values equal those of Mitsuba 3.9.1's `sunsky`, also between the table's turbidities, albedos and solar elevations.
 TEST(HosekSky, IsMitsubas)
 {
     const struct {

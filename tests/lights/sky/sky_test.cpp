@@ -25,7 +25,7 @@ Vec3d sun_at(double elevation_deg)
     return {std::cos(e), std::sin(e), 0};
 }
 
-/// Optical depth straight up: exponential densities and the triangular ozone profile have closed forms.
+/// Optical depths straight up have closed forms for exponential densities and the triangular ozone profile.
 TEST(Sky, DepthsStraightUp)
 {
     for (double height : {0.0, 2.0, 12.0}) {
@@ -45,11 +45,11 @@ TEST(Sky, DepthsStraightUp)
     // Rayleigh scattering is proportional to wavelength^-4.
     EXPECT_NEAR(std::log(Sky::transmittance({1, 0, 0}, 400)) / std::log(Sky::transmittance({1, 0, 0}, 600)),
                 std::pow(1.5, 4), 1e-9);
-    // 300 Dobson units absorb about 3.5 % near 600 nm (Chappuis band).
+    // 300 Dobson units of ozone absorb about 3.5 % near 600 nm (Chappuis band).
     EXPECT_NEAR(1 - Sky::transmittance({0, 0, 15}, 600), 0.04, 0.006);
 }
 
-/// Air mass of Kasten and Young (1989), an independent fit, at elevations down to the horizon.
+/// Air mass agrees with the independent fit of Kasten and Young (1989), at elevations down to the horizon.
 TEST(Sky, AirMassTowardsTheHorizon)
 {
     const double up = Sky::depths_to_space(0, 1).molecules;
@@ -102,7 +102,8 @@ double diffuse_klx(const Sky& sky)
     return sum * klx * std::numbers::pi / (rows * columns);
 }
 
-/// Fits to measured clear skies: Illuminating Engineering Society of North America, RP-21, 1984.
+/// Illuminance agrees with fits to measured clear skies: Illuminating Engineering Society of North America, RP-21,
+/// 1984.
 TEST(Sky, IlluminanceAsMeasured)
 {
     constexpr double klx = 133.3 / std::numbers::pi;
@@ -117,8 +118,9 @@ TEST(Sky, IlluminanceAsMeasured)
     }
 }
 
-/// Luminance relative to the zenith, perpendicular to the sun's plane and opposite to the sun: ISO 15469 type 12, a
-/// clear sky with low turbidity. Single scattering gives half of that at the horizon, opposite a low sun twice.
+/// Luminance relative to the zenith, in the plane perpendicular to the sun's and opposite to the sun, agrees with ISO
+/// 15469 type 12, a clear sky with low turbidity. Single scattering gives half of that at the horizon, and twice that
+/// opposite a low sun.
 TEST(Sky, BrightnessAsTheStandardClearSky)
 {
     for (double elevation : {20., 30., 45.}) {
@@ -154,10 +156,10 @@ TEST(Sky, IsBlueAboveAndBrighterAtTheHorizon)
     const Color zenith = sky.radiance({0, 1, 0});
     EXPECT_GT(zenith.b, 1.4f * zenith.g);
     EXPECT_GT(zenith.g, 1.2f * zenith.r);
-    // Opposite to the sun, and beside it.
+    // The directions are opposite to the sun and beside it.
     for (const Vec3d& d : {Vec3d{-0.996, 0.087, 0}, {0, 0.087, 0.996}})
         EXPECT_GT(luminance(sky.radiance(d)), 1.3 * luminance(zenith));
-    // Symmetric about the sun's plane, and bright around it.
+    // The sky is symmetric about the sun's plane, and bright around the sun.
     const Color left = sky.radiance({0.6, 0.48, 0.64}), right = sky.radiance({0.6, 0.48, -0.64});
     EXPECT_NEAR(left.g, right.g, 1e-6f * left.g);
     EXPECT_GT(luminance(sky.radiance(sun_at(48))), 5 * luminance(zenith));
@@ -175,7 +177,7 @@ TEST(Sky, TheSunReddensAndSets)
     }
     EXPECT_GT(redness, 3);
     EXPECT_EQ(luminance(Sky::sun_irradiance(sun_at(-1))), 0);
-    // Twilight: a small part of the daylight remains.
+    // In twilight a small part of the daylight remains.
     const double day = luminance(Sky(sun_at(30)).radiance({0, 1, 0}));
     const double dusk = luminance(Sky(sun_at(-3)).radiance({0, 1, 0}));
     EXPECT_GT(dusk, 1e-5 * day);
@@ -189,8 +191,8 @@ TEST(Sky, TheSunReddensAndSets)
     }
 }
 
-/// Luminance against plain numerical integration in small equal steps, with the transmittance to the sun integrated at
-/// each.
+/// Luminance equals that of plain numerical integration in small equal steps, with the transmittance to the sun
+/// integrated at each step.
 TEST(Sky, ScatteringAgainstAPlainSum)
 {
     const Vec3d to_sun = sun_at(35);

@@ -151,7 +151,7 @@ struct Lamps {
     LightTables tables;
     double room;
 
-    /// `placed` lights in a room of the given extent around the origin, and some directional lights.
+    /// `placed` lights with a position, in a room of the given extent around the origin, and some directional lights.
     Lamps(unsigned seed, std::uint32_t placed, double size, std::uint32_t directions = 0, double extent = 10)
         : room(extent)
     {
@@ -182,7 +182,7 @@ Vec3 as_lanes(Vec3d p)
     return Vec3(Vec3f{float(p.x), float(p.y), float(p.z)});
 }
 
-/// Numbers of lights below and above a node's capacity, and trees of several levels.
+/// The sizes are numbers of lights below and above a node's capacity, and for trees of several levels.
 constexpr std::uint32_t sizes[] = {1, 2, 7, 16, 17, 40, 300};
 
 /// Calls f(lamps, selector, number of lights, seed) for trees of each size, also with directional lights.
@@ -309,8 +309,8 @@ TEST(LightTree, NoiseDecidesBetweenTwoFloats)
     EXPECT_EQ(light(lo, 1 - 0x1p-24f), light(hi, 0));
 }
 
-/// Brute force: every light that a sample finds emitting has a positive probability. Points are in the room, near
-/// lights, and in planes of flat lights.
+/// By brute force: every light that a sample finds emitting has a positive selection probability. Points are in the
+/// room, near lights, and in planes of flat lights.
 TEST(LightTree, WhateverShinesMayBeSelected)
 {
     std::size_t shining = 0, dark = 0;
@@ -396,7 +396,7 @@ Lamps triangles(unsigned seed, std::uint32_t n)
     return lamps;
 }
 
-/// Strong lights need no traversal because they are children of the root; half of its children remain for the others.
+/// Strong lights are children of the root and need no traversal; half of the root's children remain for other lights.
 TEST(LightTree, LightsThatAreStrongAreChildrenOfTheRoot)
 {
     for (const std::uint32_t strong : {1u, 3u, 11u}) {
@@ -443,7 +443,7 @@ TEST(LightTree, EstimatesTheSum)
     }
 }
 
-/// Parallel beams: inside one of them, the others are never selected, even if they are near.
+/// In a scene of parallel beams, a point inside one of them never selects the others, even if they are near.
 TEST(LightTree, NarrowLightsAreChosenWhereTheyReach)
 {
     for (const std::uint32_t n : {9u, 40u}) {
@@ -470,8 +470,8 @@ TEST(LightTree, NarrowLightsAreChosenWhereTheyReach)
     }
 }
 
-/// 10,000 lights: exact variance of direct light by summing over all lights. Measured: a twentieth of that of power
-/// sampling.
+/// The exact variance of direct light from 10,000 lights, by summing over all lights, is far below that of sampling by
+/// power: a twentieth, as measured.
 TEST(LightTree, VarianceIsFarBelowThatByPower)
 {
     const Lamps lamps = triangles(1, 10000);

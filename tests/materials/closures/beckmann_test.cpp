@@ -7,7 +7,7 @@
 #include "materials/closures/principled.h"
 #include "materials/facet_reference.h"
 
-// Beckmann microfacets in every closure with microfacets.
+// Tests of Beckmann microfacets in every closure with microfacets.
 namespace fathom::test {
 namespace {
 
@@ -49,7 +49,7 @@ TEST(Beckmann, NormalsCoverTheSurface)
     }
 }
 
-/// A plastic with a black base reduces to its boundary: F D G / 4, in double precision.
+/// A plastic with a black base reduces to its boundary, F D G / 4, in double precision.
 TEST(Beckmann, IsTheFormula)
 {
     RandomDirections direction;
@@ -82,7 +82,7 @@ TEST(Beckmann, OfLayers)
     };
     // A pure metal underflows to 0 where microfacets are rarest, and such samples would count as absorbed.
     for (double degrees : {0.0, 50.0}) check_sampling(layered(0.5f), degrees, "layered");
-    // At normal incidence and exitance: D / 4 times the reflectance.
+    // At normal incidence and exitance the value is D / 4 times the reflectance.
     const double alpha = 0.25, alpha_x = alpha + (1 - alpha) * 0.25;
     const Vec3 up = lane_direction({0, 0, 1});
     EXPECT_NEAR(first(layered(1).eval(up, up).f_cos.c[0]), 0.8 * beckmann_d({0, 0, 1}, alpha_x, alpha) / 4, 1e-3);

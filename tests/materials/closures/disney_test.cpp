@@ -99,7 +99,7 @@ constexpr Row mitsuba[] = {
     {mix, {0.31449, 0.10483, -0.94346}, {-0.24077, 0.12039, -0.96309}, 0.00782363, 0.00782363},
     {mix, {0.31449, 0.10483, -0.94346}, {-0.44444, -0.11111, 0.88889}, 5.18501, 2.11677}};
 
-/// Values of Mitsuba 3's principled and principledthin.
+/// The closure agrees with Mitsuba 3's principled and principledthin.
 TEST(Disney, IsThatOfMitsuba)
 {
     for (const Row& row : mitsuba) {

@@ -7,7 +7,7 @@
 #include "materials/closures/principled.h"
 #include "materials/facet_reference.h"
 
-// Microfacets with separable shadowing-masking, and those treated as mirrors, in every closure.
+// Transmittance of a microfacet boundary for a direction, integrated over the distribution of normals.
 namespace fathom::test {
 namespace {
 
@@ -40,14 +40,14 @@ double fresnel(double cosine, double ior, double& beyond)
     return (p * p + s * s) / 2;
 }
 
-/// Light from a direction that one microfacet interface transmits, integrated over the distribution of normals.
+/// Slopes are stratified by projected area, with finer strata for steep slopes.
 double transmittance(double z, double alpha, bool is_beckmann, double ior)
 {
     constexpr int slopes = 400, turns = 200;
     const double sine = std::sqrt(1 - z * z);
     double sum = 0;
     for (int i = 0; i < slopes; ++i) {
-        // Stratified by projected area, with finer strata for steep slopes.
+        // Slopes are stratified by projected area, with finer strata for steep slopes.
         const double w = (i + 0.5) / slopes, area = 2 * w / slopes;
         const double slope = alpha * std::sqrt(is_beckmann ? -2 * std::log(w) : 1 / (w * w) - 1);
         const double nz = 1 / std::sqrt(1 + slope * slope);
@@ -72,8 +72,7 @@ TEST(SeparableShadowing, Sampling)
     }
 }
 
-/// A plastic with a black base reduces to its boundary: F D G / 4 in double precision, and so does a white metal of
-/// layers.
+/// A plastic with a black base and a white metal of layers reduce to F D G / 4, in double precision.
 TEST(SeparableShadowing, IsTheFormula)
 {
     RandomDirections direction;
@@ -95,7 +94,8 @@ TEST(SeparableShadowing, IsTheFormula)
     }
 }
 
-/// Diffuse base below microfacets: color / pi / (1 - color inner) / ior^2 times the transmittances of both directions.
+/// A diffuse base below microfacets has the BRDF color / pi / (1 - color inner) / ior^2 times the transmittances of
+/// both directions.
 TEST(SeparableShadowing, OfWhatPassesABoundary)
 {
     constexpr double inner = 0.4;
@@ -155,7 +155,7 @@ TEST(Mirrors, ShowNoLightsWithoutExtent)
     LayeredMaterialPoint black = layered(0, 0);
     black.metallic = Float(1);
     check(LayeredBsdf<false>(layered(0, 0)), LayeredBsdf<false>(black), "layered");
-    // Rough microfacets do, each closure by itself.
+    // Rough microfacets do show them, in each closure.
     const auto shown = [&](const auto& bsdf) { return first(bsdf.eval(wo, mirrored, Mask(true)).f_cos.c[0]); };
     EXPECT_GT(shown(PlasticBsdf(material(0, 0.1f))), 1);
     EXPECT_GT(shown(PrincipledBsdf(material(0, 0.1f))), 1);

@@ -19,7 +19,7 @@ TEST(Glass, SamplingAgreesWithItsDensity)
 
 TEST(Glass, SmoothKeepsAllEnergy)
 {
-    // Radiance is scaled by 1 / eta^2 on refraction; with that undone every sample has weight 1.
+    // Radiance scales by 1 / eta^2 on refraction; with that undone every sample has weight 1.
     for (bool entering : {true, false})
         for (double degrees : {0.0, 30.0, 60.0, 85.0}) {
             GlassPoint m = material(1, 0);
@@ -84,7 +84,7 @@ TEST(ThinGlass, LetsLightStraightOnFromBothSides)
     for (const bool entering : {true, false}) {
         m.entering = Mask(entering);
         const GlassBsdf bsdf(m);
-        // 4 % per boundary: the sheet reflects 2 * 0.04 / 1.04 = 1 / 13.
+        // A boundary reflects 4 %, so the sheet reflects 2 * 0.04 / 1.04 = 1 / 13.
         for (const auto& [choice, reflects] : {std::pair{1 / 13.0 - 1e-4, true}, {1 / 13.0 + 1e-4, false}}) {
             const BsdfSample s = bsdf.sample(outgoing(0), {Float(0.5f), Float(0.5f)}, Float(float(choice)));
             EXPECT_NEAR(first(s.wi.z), reflects ? 1 : -1, 1e-6);
@@ -95,7 +95,7 @@ TEST(ThinGlass, LetsLightStraightOnFromBothSides)
         const BsdfSample through = bsdf.sample(wo, {Float(0.5f), Float(0.5f)}, Float(0.99f));
         EXPECT_NEAR(first(dot(through.wi, wo)), -1, 1e-6);
     }
-    // White: nothing is lost, including multiple scattering between microfacets.
+    // White glass loses nothing, including multiple scattering between microfacets.
     for (double degrees : {0.0, 30.0, 60.0, 85.0})
         for (float roughness : {0.1f, 0.5f, 0.8f, 1.0f})
             EXPECT_NEAR(draw(GlassBsdf(sheet(1, roughness)), outgoing(degrees), 200000).albedo, 1, 0.012)

@@ -139,7 +139,7 @@ TEST(Hair, Energy)
                     }
 }
 
-/// White furnace over the whole width by sampling, also for narrow lobes.
+/// Samples in a white furnace have weight 1 over the whole width, also for narrow lobes.
 TEST(Hair, WhiteFurnaceAcrossTheWidth)
 {
     for (double beta : {0.0, 0.02, 0.3, 1.0})
@@ -154,19 +154,19 @@ TEST(Hair, WhiteFurnaceAcrossTheWidth)
         }
 }
 
-/// A mirror reflection at the cylinder, and refraction through it by Snell's law.
+/// Narrow lobes follow a mirror reflection at the cylinder, and refraction through it by Snell's law.
 TEST(Hair, NarrowLobesGoWhereACylinderSendsLight)
 {
     for (double h : {-0.8, -0.3, 0.5}) {
         const Fibre x{.beta_m = 0.05, .beta_n = 0.05, .tilt = 0, .h = h};
         const double c = std::sqrt(1 - h * h);
-        // Reflected about the normal at height y = h.
+        // The direction is reflected about the normal at height y = h.
         const Direction reflected{0, 2 * c * h, 2 * c * c - 1};
-        // Refracted into the cylinder, to its far side and out again, in the cross-sectional plane.
+        // The direction is refracted into the cylinder, to its far side and out again, in the cross-sectional plane.
         const double in = std::asin(h), within = std::asin(h / x.eta);
         const double normal = pi_ / 2 - in;             // angle of the entry point, from y to z
         const double exit = normal + pi_ + 2 * within;  // angle of the exit point
-        const double through = exit - in;               // leaves at the same angle to its normal as on entry
+        const double through = exit - in;               // light leaves at the angle to the normal at which it entered
         const Direction passed{0, std::cos(through), std::sin(through)};
         const HairBsdf bsdf = x.bsdf();
         for (const Direction& d : {reflected, passed}) {

@@ -99,7 +99,7 @@ TEST(Layered, SamplingAgreesWithItsDensity)
     }
 }
 
-/// Albedo with the eta^2 scaling of radiance undone, and its standard error.
+/// Albedo, with the eta^2 scaling of radiance undone, and its standard error.
 template <class Bsdf>
 std::pair<double, double> albedo_of(const Bsdf& bsdf, double degrees, int n = 12000)
 {
@@ -235,7 +235,7 @@ V v_of(Vec3 a)
     return {first(a.x), first(a.y), first(a.z)};
 }
 
-/// Anisotropic GGX by the formulas of KHR_materials_anisotropy, with a rotated tangent.
+/// Anisotropic GGX follows the formulas of KHR_materials_anisotropy, with a rotated tangent.
 TEST(Layered, AnisotropyFollowsItsFormula)
 {
     const double roughness = 0.4, strength = 0.7, angle = 25 * std::numbers::pi / 180;
@@ -260,7 +260,7 @@ TEST(Layered, AnisotropyFollowsItsFormula)
     }
 }
 
-/// Sheen by the formulas of KHR_materials_sheen, and its scaling of the base.
+/// Sheen follows the formulas of KHR_materials_sheen, and so does its scaling of the base.
 TEST(Layered, SheenFollowsItsFormula)
 {
     const double roughness = 0.45, alpha = roughness * roughness;
@@ -419,7 +419,7 @@ TEST(Layered, OuterLayersAreOutside)
     }
 }
 
-/// Metal reflectance is its color at 0 degrees, and Schlick's value times the edge color at 82 degrees.
+/// A metal's reflectance is its color at 0 degrees, and Schlick's value times the edge color at 82 degrees.
 TEST(Layered, EdgeColor)
 {
     LayeredMaterialPoint m = layers(0.4f, 0.05f, 1);
@@ -430,7 +430,7 @@ TEST(Layered, EdgeColor)
     EXPECT_NEAR(albedo_of(Opaque(m), 0, 40000).first, head_on, 1e-3);
 }
 
-/// Fresnel's equations for a complex index of refraction.
+/// Reflectance by Fresnel's equations for a complex index of refraction.
 double fresnel_of(double degrees, std::complex<double> index)
 {
     const double c = std::cos(degrees * std::numbers::pi / 180), s2 = 1 - c * c;
@@ -476,7 +476,8 @@ std::array<double, 3> sensitivity(double nm)
         1.217 * lobe(437.0, 0.0845, 0.0278) + 0.681 * lobe(459.0, 0.0385, 0.0725)};
 }
 
-/// Airy's formula at each wavelength, converted to RGB: the oscillating part is colored, the rest is gray.
+/// Reflectance by Airy's formula at each wavelength, converted to RGB: the oscillating part is colored, the rest is
+/// gray.
 std::array<double, 3> film_by_wavelengths(double cosine, double f0, double thickness, double ior)
 {
     const auto schlick = [](double r0, double c) { return r0 + (1 - r0) * std::pow(1 - c, 5); };
@@ -554,7 +555,7 @@ TEST(Dispersion, ChoosesAChannelByChance)
             sums[c] += t;
             if (t == 0) continue;
             ++alive, ++counts[c];
-            // Offset of 0.025 * dispersion * (ior - 1) in either direction.
+            // The offset is 0.025 * dispersion * (ior - 1) in either direction.
             EXPECT_NEAR(first(m.ior), 1.5 + (c - 1) * 0.025, 1e-6);
             // A path that follows one channel keeps it.
             choose_channel(key, UInt(9u), m, throughput);

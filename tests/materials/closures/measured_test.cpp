@@ -100,7 +100,7 @@ public:
         const double u = std::sqrt(theta_m / (pi_double / 2));
         const double v = angle_from(m[0], m[1], b_.phi.size() > 2 ? 0 : phi_o) / (2 * pi_double) + 0.5;
         const auto vndf = [&](double x, double y) { return density(b_.vndf, x, y); };
-        // The integral below v, and the integral left of u in the row at v.
+        // These are the integral below v, and the integral left of u in the row at v.
         const double even_v = integral(0, v, b_.vndf.height, [&](double y) { return row(y); });
         const double even_u = integral(0, u, b_.vndf.width, [&](double x) { return vndf(x, v); }) / row(v);
         const double d_theta = pi_double * u, d_phi = 2 * pi_double;
@@ -119,7 +119,7 @@ public:
     }
 
 private:
-    /// Indices and weights of the tables around the angles.
+    /// Computes indices and weights of the tables around the angles.
     void weigh(double theta, double phi) const
     {
         const auto around = [](const std::vector<float>& angles, double x) {
@@ -149,7 +149,7 @@ private:
             }
         return sum;
     }
-    /// Simpson's rule in each table cell, where f is linear.
+    /// Integrates by Simpson's rule in each table cell, where f is linear.
     static double integral(double from, double to, int size, const std::function<double(double)>& f)
     {
         double sum = 0;

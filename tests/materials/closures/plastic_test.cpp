@@ -69,7 +69,7 @@ double fresnel(double cosine, double ior)
     return (p * p + s * s) / 2;
 }
 
-/// Closed form for a smooth boundary: F + (1 - F) color (1 - inner) / (1 - color inner), where inner follows from the
+/// A smooth boundary has a closed form: F + (1 - F) color (1 - inner) / (1 - color inner), where inner follows from the
 /// mean of F by reciprocity.
 TEST(Plastic, SmoothIsTheClosedForm)
 {
@@ -116,8 +116,8 @@ TEST(Plastic, LayersAbsorb)
     check_sampling(PlasticBsdf(m), 40, "a layer that absorbs");
 }
 
-/// Random walk between microfacets and base with sampled normals and Fresnel's equations; samples on a facet's wrong
-/// side are lost, as in pbrt's layered BxDFs.
+/// Albedo by a random walk between microfacets and base, with sampled normals and Fresnel's equations. Samples on a
+/// facet's wrong side are lost, as in pbrt's layered BxDFs.
 double random_walk_albedo(double alpha, double color, double ior, double degrees)
 {
     std::mt19937_64 engine(3);
@@ -126,7 +126,7 @@ double random_walk_albedo(double alpha, double color, double ior, double degrees
         double x, y, z;
     };
     const auto lambda = [&](double z) { return (std::sqrt(1 + alpha * alpha * (1 - z * z) / (z * z)) - 1) / 2; };
-    // Visible normals of an ellipsoid, Heitz 2018.
+    // The sampled normal is a visible normal of an ellipsoid (Heitz 2018).
     const auto normal = [&](const V& w) {
         const double x = alpha * w.x, y = alpha * w.y, l = std::sqrt(x * x + y * y + w.z * w.z);
         const V h{x / l, y / l, w.z / l};
@@ -146,7 +146,7 @@ double random_walk_albedo(double alpha, double color, double ior, double degrees
     double sum = 0;
     for (int i = 0; i < paths; ++i) {
         const double t = degrees * std::numbers::pi / 180;
-        V w{std::sin(t), 0, std::cos(t)};  // towards the boundary at z = 0 from either side
+        V w{std::sin(t), 0, std::cos(t)};  // the direction is towards the boundary at z = 0, from either side
         double left = 1, eta = ior;
         bool inside = false;
         for (int step = 0; step < 200 && left > 0; ++step) {

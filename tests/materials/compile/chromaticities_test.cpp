@@ -52,7 +52,7 @@ TEST(Chromaticities, ColorsAreConvertedNumbersAreNot)
     const SceneTables& tables = *scene.data().tables;
     ASSERT_EQ(tables.environment.texels.size(), 4u);
     ASSERT_EQ(tables.texels.size(), 8u);
-    // Rows of the ACES configurations' matrix.
+    // The rows are those of the matrix in the ACES configurations.
     constexpr double acescg[3][3] = {
         {0.6130974, 0.3395231, 0.0473795}, {0.0701937, 0.9163539, 0.0134524}, {0.0206156, 0.1095698, 0.8698146}};
     for (std::size_t i = 0; i < 3; ++i) {

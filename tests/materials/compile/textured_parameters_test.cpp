@@ -14,7 +14,7 @@ namespace {
 
 constexpr float texture_value = 0.5f;
 
-/// A sphere in a gradient environment, with every layer enabled.
+/// A sphere in a gradient environment, with every layer of its material enabled.
 SceneDescription ball_of(MaterialKind kind)
 {
     SceneDescription d = empty_scene();
@@ -84,8 +84,8 @@ void set(FloatInput& input, float value, bool textured)
 
 TEST(TexturedParameters, AnEvenTextureIsItsValue)
 {
-    // A constant bump has no slope; textured emission is sampled differently; parameters of the interior choose at
-    // random, so only means agree.
+    // Some parameters are not compared: a constant bump has no slope, textured emission is sampled differently, and
+    // parameters of the interior choose at random, so only means agree.
     const std::set<std::string> not_compared = {"bump", "emission", "factor"};
     const std::set<std::string> by_mean = {"subsurface", "subsurface_color", "subsurface_radius",
                                            "subsurface_radius_scale"};

@@ -29,7 +29,7 @@ constexpr std::size_t max_unsplit(BvhQuality level, bool cut)
 
 struct UpperNode {
     ItemSet set;
-    std::unique_ptr<UpperNode> left, right;  ///< null: a treelet
+    std::unique_ptr<UpperNode> left, right;  ///< null for a treelet
 };
 
 class Splitting {

@@ -13,15 +13,15 @@ struct alignas(16) BinaryNode {
     static constexpr std::uint32_t none = ~std::uint32_t(0);
 
     float low[3];
-    std::uint32_t left;  ///< left child; of a leaf: index of its first item
+    std::uint32_t left;  ///< left child; for a leaf, the index of its first item
     float minus_high[3];
     std::uint32_t right;
-    Choices choices;  ///< how the subtree collapses to wide nodes, once known
+    Choices choices;  ///< how the subtree collapses to wide nodes, once it is known
     std::uint32_t parent;
     /// Number of items below, clamped to max_count; for inner nodes the height until BinaryTree::counted is set.
     std::uint32_t count : 23;
-    std::uint32_t kinds : 8;  ///< union of Item::Kind below
-    std::uint32_t leaf : 1;   ///< few contiguous items that one leaf can hold
+    std::uint32_t kinds : 8;  ///< union of the Item::Kind of all items below
+    std::uint32_t leaf : 1;   ///< set if the items are few, contiguous and of kinds that one leaf can hold
 
     static constexpr std::uint32_t max_count = (1u << 23) - 1;
 

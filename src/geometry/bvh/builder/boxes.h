@@ -39,7 +39,7 @@ inline namespace FATHOM_LANES {
     return box;
 }
 
-/// distances_to() for moving boxes. time: 0 at shutter open, 1 at shutter close.
+/// distances_to() for moving boxes. time: 0 when the shutter opens, 1 when it closes.
 [[gnu::always_inline]] inline BoxDistances distances_to_moving(const BvhNode& node, const PreparedRay& r, Float time,
                                                                Float t_max)
 {

@@ -18,7 +18,7 @@ namespace bvh {
 
 namespace {
 
-/// For trees that fit into caches, prefetching costs time and gains nothing (measured).
+/// Prefetching costs time and gains nothing for trees that fit into the caches (measured); this is the assumed size.
 constexpr std::size_t bytes_of_caches = std::size_t(32) << 20;
 
 std::uint32_t shape_end(const GeometryTables& tables, std::uint32_t shape)
@@ -105,7 +105,7 @@ void BvhBuilder::build()
     tree_.moving = anything_moves(tables_);
     const std::vector<std::uint32_t> shapes = find_meshes();
     std::size_t triangles = count_triangles(tables_);
-    // Space is reserved generously: pages that are never written take no memory.
+    // Space is reserved generously, since pages that are never written take no memory.
     if (level_ == BvhQuality::high) triangles += std::size_t(max_cuts * double(triangles));
     if (triangles > BvhReference::max_triangles)
         throw std::length_error("a scene can have at most 134,217,728 triangles");
@@ -147,7 +147,7 @@ bool BvhBuilder::update(const std::vector<std::uint32_t>& changed)
         add_mesh(shape, level_ == BvhQuality::high ? BvhQuality::standard : level_);
     }
     begin_of_movable_ = {tree_.nodes.size(), tree_.others.size()};
-    // Too much memory is wasted on former versions of meshes: the caller rebuilds the tree.
+    // When former versions of meshes waste too much memory, the caller rebuilds the tree.
     if (tree_.nodes.size() > most_.node || tree_.others.size() > most_.other) return false;
     add_movable();
     tree_.statistics = first;

@@ -56,10 +56,10 @@ private:
     const GeometryTables& tables_;
     BvhData& tree_;
     const BvhQuality level_;
-    std::vector<Mesh> meshes_;  ///< by shape
+    std::vector<Mesh> meshes_;  ///< indexed by shape
     std::vector<MovingBox> boxes_;
-    Part still_;              ///< subtree of all static items that are not movable
-    Place begin_of_movable_;  ///< where the arrays continue after the static subtree and the meshes
+    Part still_;              ///< subtree of all static items, without movable ones
+    Place begin_of_movable_;  ///< position in the arrays after the static subtree and the meshes
     Place most_;              ///< limits on begin_of_movable_ before the BVH must be rebuilt
     std::size_t next_triangle_ = 0;
     Peak peak_;

@@ -14,7 +14,7 @@ namespace {
 using V16 = float __attribute__((vector_size(64)));
 using V16i = std::int32_t __attribute__((vector_size(64)));
 
-/// Sort key of unused lanes: it ranks after all others.
+/// The sort key of unused lanes ranks after all others.
 const V16 unused = V16(V16i{} - 1);
 constexpr V16i lane_numbers = {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15};
 

@@ -41,7 +41,7 @@ public:
     }
 
 private:
-    /// Writes the subtree of a binary node. depth: below the chunk's root.
+    /// Writes the subtree of a binary node. depth: depth of the node below the chunk's root.
     Subtree emit(const BinaryNode& node, int depth)
     {
         if (becomes_leaf(node)) return emit_leaf(node);
@@ -172,7 +172,7 @@ private:
         return true;
     }
 
-    static constexpr std::size_t plain_words = 10;  ///< of a triangle, with its key
+    static constexpr std::size_t plain_words = 10;  ///< words of a triangle and its key
 
     Chunk& chunk_;
     const GeometryTables& tables_;

@@ -24,18 +24,20 @@ int gather_ids(const BinaryTree& tree, const BinaryNode& node, std::uint32_t* ou
 /// A part of the BVH. Its references are relative to its own arrays, except for triangles, which are stored in the
 /// BVH's arrays.
 struct Chunk {
-    std::uint32_t from = 0;                       ///< the binary node that is its root
-    std::size_t first_triangle = 0;               ///< index in the BVH's arrays
-    std::size_t triangles = 0;                    ///< upper bound; the number of triangles once written
-    std::size_t moved = 0;                        ///< distance by which its triangles were moved to the front
-    std::size_t leaves = 0, children = 0;         ///< number of leaves, and of children of all nodes
-    int depth = 0;                                ///< levels from its root to the deepest leaf
-    std::size_t first_node = 0, first_other = 0;  ///< index in the BVH's arrays
-    bool compact = false;                         ///< leaves are indexed where that is much smaller
+    std::uint32_t from = 0;                ///< root of the chunk in the binary tree
+    std::size_t first_triangle = 0;        ///< index of the first triangle in the BVH's arrays
+    std::size_t triangles = 0;             ///< upper bound until the triangles are written, then their number
+    std::size_t moved = 0;                 ///< distance by which its triangles were moved to the front
+    std::size_t leaves = 0, children = 0;  ///< number of leaves, and total number of children of nodes
+    int depth = 0;                         ///< number of levels from the root to the deepest leaf
+    std::size_t first_node = 0,
+                first_other = 0;  ///< indices of its first node and first other leaf in the BVH's arrays
+    bool compact = false;         ///< whether leaves are indexed if that makes them much smaller
     Subtree root;
     std::vector<BvhNode> nodes;
     std::vector<std::uint32_t> others;
-    /// Triangles of a compact chunk, which may be few: kept here until they are copied to the BVH's arrays.
+    /// Triangles of a compact chunk, of which there may be few: they are kept here until they are copied to the BVH's
+    /// arrays.
     std::vector<float> triangles_apart;
     std::vector<BvhKey> keys_apart;
 

@@ -23,7 +23,7 @@ class Solver {
 public:
     Solver(const GeometryTables& tables, BinaryTree& tree) : tables_(tables), tree_(tree) {}
 
-    /// Finds the choices of the node and all below, and the kinds and counts of inner nodes.
+    /// Finds the choices of a node and all nodes below, and the kinds and counts of inner nodes.
     Costs solve(std::uint32_t i, int depth)
     {
         BinaryNode& node = tree_.nodes[i];
@@ -45,10 +45,10 @@ public:
         node.kinds = l.kinds | r.kinds;
         node.count = std::min<std::uint32_t>(std::uint32_t(l.count) + r.count, BinaryNode::max_count);
         costs = join(left, right, half_area, leaf_cost(node.kinds, node.count), node.choices);
-        // Whether a leaf can hold the items is tested only where a leaf would be best.
+        // The test whether one leaf can hold the items is only made if a leaf would be best.
         if (node.choices[0] != 0 || fits(node)) return costs;
         if (node.count > bvh_width) {
-            // The costs overflowed to infinity, so any valid division of the children will do.
+            // The costs overflowed to infinity, so any valid division of the children is acceptable.
             node.choices.bits = 0x1111111111111111u;
             return costs;
         }
@@ -120,7 +120,7 @@ public:
     }
 
 private:
-    /// Reserves memory; frequent small additions get extra room.
+    /// Reserves memory, with extra room so that frequent small additions are fast.
     template <class Vector>
     static void make_room(Vector& v, std::size_t size)
     {
@@ -159,7 +159,7 @@ private:
         c.keys_apart = {};
     }
 
-    /// Writes the wide nodes of the upper tree. depth: in the tree of wide nodes.
+    /// Writes the wide nodes of the upper tree. depth: depth in the tree of wide nodes.
     Subtree emit(std::uint32_t i, int depth)
     {
         const BinaryNode& node = tree_.nodes[i];

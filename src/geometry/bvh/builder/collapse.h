@@ -11,8 +11,8 @@ float expected_cost(const GeometryTables& tables, BinaryTree& tree);
 
 /// Result of collapse().
 struct Collapsed {
-    std::uint32_t root;  ///< a BvhReference
-    int depth;           ///< levels from the root to the deepest leaf
+    std::uint32_t root;  ///< reference to the root, see BvhReference
+    int depth;           ///< number of levels from the root to the deepest leaf
 };
 
 /// Adds the nodes and leaves of a tree to the BVH and frees the tree. next_triangle: index of the next free triangle,

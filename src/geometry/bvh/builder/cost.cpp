@@ -14,7 +14,7 @@ namespace {
 using V16 = float __attribute__((vector_size(64)));
 using V16i = std::int32_t __attribute__((vector_size(64)));
 
-// The costs were measured on interiors, terrain and foliage (bench/rays.cpp).
+// Costs in units of a node visit, measured on interiors, terrain and foliage (bench/rays.cpp).
 constexpr float triangle_leaf_cost = 0.7f, triangle_cost = 0.015f, other_leaf_cost = 0.7f, other_cost = 0.05f,
                 instance_cost = 4.f, moving_leaf_cost = 0.4f, moving_triangle_cost = 0.06f, curve_leaf_cost = 1.5f,
                 curve_cost = 0.1f, point_leaf_cost = 0.5f, point_cost = 0.05f;

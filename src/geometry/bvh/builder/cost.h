@@ -16,21 +16,22 @@ inline constexpr float node_cost = 1.f;
 /// Karras, Laine 2017, "Efficient Incoherent Ray Traversal on GPUs Through Compressed Wide BVHs", section 3.3.
 struct alignas(64) Costs {
     std::array<float, bvh_width> c;
-    int most = 1;  ///< largest useful number of children, up to 16: more are no cheaper
+    int most = 1;  ///< largest useful number of children, up to 16: more children are not cheaper
 };
 
-/// The decisions that lead to these costs, 4 bits each. [j - 1]: with j children, how many the left side gets, or 0 if
-/// one child is best. [0]: how the 16 children of a wide node made here divide, or 0 if a leaf is best.
+/// The decisions that lead to these costs, 4 bits each. [j - 1]: the number of children that the left side gets if
+/// there are j, or 0 if one child is best. [0]: how the 16 children of a wide node made here are divided, or 0 if a
+/// leaf is best.
 struct Choices {
     std::uint64_t bits = 0;
     int operator[](int i) const { return int(bits >> 4 * i & 15); }
 };
 
-/// Combines the costs of two children. half_area: of the node's box; leaf_cost: infinite where the node can't be a
-/// leaf.
+/// Combines the costs of two children. half_area: half of the surface area of the node's box; leaf_cost: infinite if
+/// the node can't be a leaf.
 Costs join(const Costs& left, const Costs& right, float half_area, float leaf_cost, Choices& choices);
 
-/// Cost of one leaf for a ray that hits its box; infinite where no such leaf can exist.
+/// Cost of one leaf for a ray that hits its box; infinite if no such leaf can exist.
 float leaf_cost(std::uint32_t kinds, std::size_t count);
 
 }  // namespace fathom::bvh

@@ -9,7 +9,7 @@ namespace fathom::bvh {
 /// Items with their bounds.
 struct ItemList {
     LargeArray<Item> items;
-    std::size_t count = 0, triangles = 0;  ///< number of items, and of triangles among them
+    std::size_t count = 0, triangles = 0;  ///< number of items, and number of triangles among them
     Box box;
     CenterBounds centers;
 };
@@ -31,14 +31,14 @@ struct MovingBox {
     static MovingBox around(const float* times, const Box* boxes, std::size_t count);
 };
 
-/// Motion bounds of one primitive. kind and id are those of an Item. mesh_boxes: by shape.
+/// Motion bounds of one primitive. kind and id are those of an Item. mesh_boxes: indexed by shape.
 MovingBox moving_box(const GeometryTables& tables, const BvhData& bvh, const std::vector<MovingBox>& mesh_boxes,
                      std::uint32_t kind, std::uint32_t id);
 
 /// Items of a shape's primitives [first, last) that can be hit.
 ItemList shape_items(const GeometryTables& tables, const BvhData& bvh, std::uint32_t first, std::uint32_t last);
 /// Items of the world: all primitives and instances; only static instances if the tables are editable. bvh.meshes and
-/// mesh_boxes (by shape) must be set.
+/// mesh_boxes (indexed by shape) must be set.
 ItemList world_items(const GeometryTables& tables, const BvhData& bvh, const std::vector<MovingBox>& mesh_boxes);
 /// Items of the movable instances of editable tables.
 ItemList movable_items(const GeometryTables& tables, const BvhData& bvh, const std::vector<MovingBox>& mesh_boxes);

@@ -12,7 +12,7 @@ namespace fathom::bvh {
 
 namespace {
 
-/// Size of parts that are worth a task. It determines the order of items, hence must not depend on the machine.
+/// Number of items that are worth a task. It determines the order of items, so it must not depend on the machine.
 constexpr std::size_t part_size = 1 << 13;
 constexpr std::size_t min_parts = 4;
 
@@ -33,7 +33,7 @@ Bins bins_of(const ItemSet& set, const BinMap& map)
         });
 }
 
-/// A run of items partitioned at `middle`.
+/// Consecutive items that are partitioned at `middle`.
 struct Part {
     std::size_t first, middle, end;
     CenterBounds left, right;

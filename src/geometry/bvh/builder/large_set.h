@@ -5,8 +5,8 @@
 
 namespace fathom::bvh {
 
-/// split_objects() with all threads; the order of items differs from that of split_objects(), but not with the number
-/// of threads.
+/// split_objects() with all threads. The order of items differs from that of split_objects(), but does not depend on
+/// the number of threads.
 void split_large(const ItemSet& all, int depth, ItemSet& left, ItemSet& right);
 
 }  // namespace fathom::bvh

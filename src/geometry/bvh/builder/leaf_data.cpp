@@ -17,7 +17,7 @@ std::size_t in_units(std::size_t words)
     return (words + BvhLeaf::unit - 1) / BvhLeaf::unit * BvhLeaf::unit;
 }
 
-/// Arrays of n numbers each, after a leaf's header.
+/// The arrays of a leaf, n numbers each, after its header.
 class Arrays {
 public:
     Arrays(std::vector<std::uint32_t>& words, std::size_t n, std::size_t count)

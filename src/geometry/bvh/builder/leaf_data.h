@@ -27,7 +27,7 @@ struct PieceEnds {
 PieceEnds piece_ends(const GeometryTables& tables, std::uint32_t id, bool linear, std::size_t key = 0);
 /// Bounds of the cone-sphere of a piece: the balls at both ends and everything between.
 Box box_of(const PieceEnds& ends);
-/// Shape that a segment belongs to.
+/// The shape that a segment belongs to.
 const ShapeRecord& shape_of_segment(const GeometryTables& tables, std::uint32_t segment);
 
 /// Builder of an indexed leaf, which stores each vertex once.
@@ -55,7 +55,7 @@ private:
     BvhKey keys_[bvh_width];
     std::uint8_t corners_[3][bvh_width];
     Vertex vertices_[IndexedLeaf::max_vertices];
-    /// For each vertex: the triangle and corner where it first occurred.
+    /// The triangle and corner where each vertex first occurred.
     std::uint8_t triangle_[IndexedLeaf::max_vertices], corner_[IndexedLeaf::max_vertices];
 };
 

@@ -49,7 +49,7 @@ void radix_sort(LargeArray<Entry>& entries)
     constexpr std::size_t digits = 1 << digit_bits;
     const std::size_t n = entries.size(), parts = (n + cluster_part_size - 1) / cluster_part_size;
     LargeArray<Entry> other(n);
-    std::vector<std::uint32_t> places(parts * digits);  // by part and digit: first counts, then offsets
+    std::vector<std::uint32_t> places(parts * digits);  // counts, later offsets, by part and digit
     for (int shift = 0; shift < 3 * bits_per_axis; shift += digit_bits) {
         const auto digit = [&](const Entry& e) { return e.code >> shift & (digits - 1); };
         std::fill(places.begin(), places.end(), 0);

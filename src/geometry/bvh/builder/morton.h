@@ -13,10 +13,10 @@ struct Clusters {
     /// Binary logarithm of the number of items per part.
     static constexpr int part_bits = 14;
 
-    LargeArray<std::uint32_t> ids;               ///< ids of the items, in Morton order
-    std::vector<std::vector<BinaryNode>> nodes;  ///< by part; indices of nodes count from its first node, leaves index
-                                                 ///< `ids`
-    std::size_t node_bytes = 0, peak_bytes = 0;  ///< memory of the nodes, and of everything during construction
+    LargeArray<std::uint32_t> ids;  ///< ids of the items, in Morton order
+    std::vector<std::vector<BinaryNode>>
+        nodes;  ///< nodes by part; indices of nodes are relative to the part, leaves index `ids`
+    std::size_t node_bytes = 0, peak_bytes = 0;  ///< memory of the nodes, and peak memory of construction
 
     /// The nodes of the part that contains a cluster; root() is the index of the cluster's root among them.
     const std::vector<BinaryNode>& part(std::uint32_t id) const { return nodes[id >> (part_bits + 1)]; }

@@ -275,8 +275,8 @@ public:
         nodes_.resize(first);
     }
 
-    /// Adds motion to what the reference refers to, whose box at the middle of the shutter interval is `box`; moves its
-    /// nodes.
+    /// Adds motion to the subtree of a reference, whose box at the middle of the shutter interval is `box`; relocates
+    /// its nodes.
     MovingBox add(std::uint32_t& reference, const Box& box)
     {
         if (BvhReference::is_node(reference)) return add_node(reference);
@@ -314,7 +314,7 @@ public:
     }
 
 private:
-    /// The piece_id of a leaf's piece; the leaf itself stores numbers of segments.
+    /// Returns the piece_id of a leaf's piece; the leaf itself stores numbers of segments.
     static std::uint32_t piece_in(const BvhLeaf& leaf, int i)
     {
         const float begin = leaf.data()[i], share = leaf.data()[leaf.count() + i];
@@ -337,7 +337,7 @@ private:
             all.extend(moving);
             moves |= set_motion(node, change, i, moving);
         }
-        // A node follows its children because only then it is known whether it takes one slot or two.
+        // A node follows its children, because only then is it known whether it takes one slot or two.
         reference = std::uint32_t(nodes_.size()) | (moves ? BvhReference::moving_bit : 0u);
         nodes_.push_back(node);
         if (moves) nodes_.push_back(change);

@@ -12,8 +12,8 @@ namespace fathom::bvh {
 bool shutter_takes_time(const GeometryTables& tables);
 
 /// Gives the nodes from `first` on, which form one tree, linear motion bounds. Nodes whose contents move take two
-/// slots. root: of the tree, updated. box: of the tree at the middle of the shutter interval. Returns the tree's motion
-/// bounds.
+/// slots. root: reference to the tree's root, updated. box: bounding box of the tree at the middle of the shutter
+/// interval. Returns the tree's motion bounds.
 MovingBox add_motion(const GeometryTables& tables, BvhData& bvh, const std::vector<MovingBox>& mesh_boxes,
                      std::size_t first, std::uint32_t& root, const Box& box);
 

@@ -32,10 +32,10 @@ struct TriedRay {
 /// Result of a trial ray in a subtree.
 struct Outcome {
     float stopped;  ///< probability that the ray is blocked
-    float work;     ///< cost of visiting everything the ray passes through
+    float work;     ///< cost of visiting all nodes and leaves that the ray passes through
 };
 
-/// Traces trial rays through everything they pass, without stopping at hits.
+/// Traces trial rays through all nodes and leaves that they pass, without stopping at hits.
 class Trial {
 public:
     explicit Trial(const BvhData& tree) : tree_(tree) {}

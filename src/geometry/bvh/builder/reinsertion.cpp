@@ -16,7 +16,7 @@ namespace {
 constexpr std::uint32_t no_node = BinaryNode::none;
 /// Smallest gain worth a move, relative to the area of the node's parent.
 constexpr float min_gain = 1e-3f;
-/// No move may put a node deeper than this: nested boxes would degenerate to a list, and traversal stacks grow with
+/// Moves must not put a node deeper than this: nested boxes would degenerate to a list, and traversal stacks grow with
 /// depth.
 constexpr std::uint32_t max_depth = 96;
 /// Subtrees above this depth are separate tasks.
@@ -24,7 +24,7 @@ constexpr int parallel_depth = 10;
 
 /// A planned move of a node.
 struct Move {
-    std::uint32_t node, to;  ///< the future sibling
+    std::uint32_t node, to;  ///< node to move, and its future sibling
     float gain;
 };
 
@@ -52,7 +52,7 @@ public:
                               });
             moves_.erase(std::remove_if(moves_.begin(), moves_.end(), [](const Move& m) { return m.to == no_node; }),
                          moves_.end());
-            // The best moves come first; apply() checks what earlier moves left of the gains.
+            // The best moves come first; apply() checks the gain that remains after earlier moves.
             std::sort(moves_.begin(), moves_.end(), before);
             std::size_t moved = 0;
             for (const Move& m : moves_) moved += apply(m);
@@ -63,7 +63,8 @@ public:
 private:
     struct Place {
         std::uint32_t node;
-        float gain;  ///< area saved if the node were inserted here, without the box that surrounds both
+        float gain;  ///< area that is saved if the node is inserted here, before subtracting the area of the box around
+                     ///< both
     };
 
     Box box(std::uint32_t i) const { return nodes_[i].box(); }
@@ -109,7 +110,7 @@ private:
             for (std::uint32_t i = 1; i < size_; ++i) moves_.push_back({i, no_node, 0});
             return;
         }
-        // A node's box is at least as large as those below it, so the search can prune.
+        // A node's box is at least as large as the boxes below it, so the search can prune.
         const float least = area_exceeded_by(n + n / 4);
         std::vector<std::uint32_t> waiting{0};
         while (!waiting.empty() && moves_.size() < 2 * n) {
@@ -134,7 +135,7 @@ private:
     {
         const std::uint32_t node = move.node;
         std::uint32_t pivot = nodes_[node].parent, below = node;
-        if (pivot == 0) return;  // the root stays
+        if (pivot == 0) return;  // the root is not moved
         const Box moved = box(node);
         const float least = moved.half_area();
         float gain = area(pivot);
@@ -144,7 +145,7 @@ private:
             move.gain = saved;
             move.to = to;
         };
-        Box rest;  // box of the pivot without the node
+        Box rest;  // bounding box of the pivot without the node
         for (;;) {
             const std::uint32_t side = sibling(below);
             waiting.push_back({side, gain});

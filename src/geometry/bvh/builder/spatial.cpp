@@ -35,7 +35,7 @@ bool is_empty(const Item& item)
     return is_empty(Box(item));
 }
 
-/// The intervals between candidate planes.
+/// The cells between the candidate planes of each axis.
 struct Cells {
     float low, size, inverse;
     Cells(float low, float high) : low(low), size((high - low) / planes), inverse(1 / size) {}
@@ -110,7 +110,7 @@ void SpatialSplitter::cut(const Item& whole, int axis, float at, Item& left, Ite
             part.minus_high[k] = std::max(part.minus_high[k], -(float(high[side][k]) + margin(high[side][k])));
         }
     }
-    // Both boxes end exactly on the plane, without rounding.
+    // The boxes of both sides end exactly on the plane, without rounding.
     left.minus_high[axis] = std::max(left.minus_high[axis], -at);
     right.low[axis] = std::max(right.low[axis], at);
 }
@@ -193,7 +193,7 @@ bool SpatialSplitter::divide(const ItemSet& all, const Plane& plane, ItemSet& le
     }
     left.items = all.items;
     right.items = to;
-    left.room = room;  // the caller divides it between both sides
+    left.room = room;  // gives all room to the left side; the caller divides it
     return left.count > 0 && right.count > 0;
 }
 

@@ -13,15 +13,16 @@ inline constexpr double max_cuts = 0.3;
 /// it.
 class SpatialSplitter {
 public:
-    /// root_area: half the surface area of the scene's box.
+    /// root_area: half the surface area of the scene's bounding box.
     SpatialSplitter(const GeometryTables& tables, float root_area) : tables_(tables), root_area_(root_area) {}
 
-    /// Splits at least 2 items in place and divides the remaining room between both sides. depth: of `all` in the tree.
+    /// Splits at least 2 items in place and divides the remaining room between both sides. depth: depth of `all` in the
+    /// tree.
     void split(const ItemSet& all, int depth, ItemSet& left, ItemSet& right) const;
 
 private:
     struct Plane {
-        int axis = -1;  ///< -1: no plane found
+        int axis = -1;  ///< -1 if no plane was found
         float at = 0, cost = 0;
         std::size_t cuts = 0;
     };

@@ -59,7 +59,7 @@ Split best_split(const Bins& bins, const BinMap& map)
     struct Sweep {
         Box box[3];
         V4i count = {};
-        /// Area times count by axis; NaN for empty sides.
+        /// Surface area times number of items, for each axis; NaN for empty sides.
         V4 add(const Bins& from, int bin)
         {
             V4i more;

@@ -14,7 +14,7 @@ using V4 = float __attribute__((vector_size(16)));
 using V4i = std::int32_t __attribute__((vector_size(16)));
 using V8 = float __attribute__((vector_size(32)));
 
-/// A bounded object to build the tree over: box, id and kind.
+/// A primitive or instance to build the tree over: bounding box, id and kind.
 struct alignas(16) Item {
     enum Kind : std::uint32_t {
         triangle = 1,
@@ -42,7 +42,7 @@ struct alignas(32) Box {
         v = V8{inf, inf, inf, inf, inf, inf, inf, inf};
     }
     explicit Box(const Item& item) : Box(static_cast<const void*>(&item)) {}
-    /// Loads 32 bytes laid out like an Item; masks the other members, which would be slow denormal floats.
+    /// Loads the 32 bytes of an Item as a box. The id and kind are masked, since they would be slow denormal floats.
     explicit Box(const void* data)
     {
         using V8i = std::int32_t __attribute__((vector_size(32)));
@@ -59,7 +59,7 @@ struct alignas(32) Box {
     {
         return __builtin_shufflevector(v, v, 0, 1, 2, 3) + __builtin_shufflevector(v, v, 4, 5, 6, 7);
     }
-    /// Twice the center.
+    /// Twice the center of the box.
     V4 center2() const { return __builtin_shufflevector(v, v, 0, 1, 2, 3) - __builtin_shufflevector(v, v, 4, 5, 6, 7); }
     float half_area() const
     {
@@ -126,7 +126,7 @@ struct BinMap {
     {
         for (int axis = 0; axis < 4; ++axis) {
             const float extent = axis < 3 ? -bounds.minus_high[axis] - bounds.low[axis] : 0.f;
-            // An extent whose inverse would overflow counts as 0.
+            // If the inverse of an extent would overflow, the extent counts as 0.
             scale[axis] = extent > 1e-30f ? float(bins) * 0.9999f / extent : 0.f;
         }
     }
@@ -157,8 +157,8 @@ struct Bins {
 
 /// An object split: a bin boundary along an axis, with the boxes of both sides.
 struct Split {
-    int axis = -1;   ///< -1: no split found
-    int bin = 0;     ///< bins up to this one go left
+    int axis = -1;   ///< -1 if no split was found
+    int bin = 0;     ///< bins 0 to this one go to the left side
     float cost = 0;  ///< area times number of items, summed over both sides
     Box left, right;
 };
@@ -171,10 +171,10 @@ Split find_split(const Item* items, std::size_t n, const CenterBounds& centers, 
 /// sides.
 std::size_t partition(Item* items, std::size_t n, const BinMap& map, const Split& split, CenterBounds& left,
                       CenterBounds& right);
-/// Splits at least 2 items by find_split(), or in halves if it finds nothing or the tree gets too deep. For sets
-/// without room.
+/// Splits at least 2 items by find_split(), or in halves if it finds no split or the tree gets too deep. The sets must
+/// have no room for pieces.
 void split_objects(const ItemSet& all, int depth, ItemSet& left, ItemSet& right);
-/// Splits at a split of find_split() with its map, or in halves if it found none.
+/// Splits the items at a split that find_split() found with this map, or in halves if it found none.
 void split_at(const ItemSet& all, const Split& split, const BinMap& map, ItemSet& left, ItemSet& right);
 
 /// From this depth on, sets are split in halves.

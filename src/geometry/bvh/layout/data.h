@@ -12,7 +12,7 @@
 namespace fathom {
 
 inline constexpr int bvh_width = 16;
-/// Number of subtrees that a ray can defer at the bottom of its stack.
+/// Number of deferred subtrees that fit at the bottom of a ray's stack.
 inline constexpr int bvh_deferred = 46;
 
 /// Reference to a child of a node, 32 bits, most significant first:
@@ -22,10 +22,10 @@ inline constexpr int bvh_deferred = 46;
 ///     011 place:29               an indexed leaf of triangles, see IndexedLeaf
 ///     1 count-1:4 first:27       a leaf of triangles
 ///
-/// The ranges ascend in this order, so that one comparison identifies nodes or leaves of triangles.
+/// The ranges of references ascend in this order, so that one comparison identifies nodes or leaves of triangles.
 struct BvhReference {
-    /// Kinds of other references, from 4 to 11. `end` occurs on stacks only: the end of a ray's work, in the world or
-    /// in an instance.
+    /// Kinds of references to other things than nodes and triangles, from 4 to 11. `end` occurs only on stacks: it ends
+    /// a ray's work in the world or in an instance.
     enum Kind : std::uint32_t { spheres = 4, disks, instance, curves, ribbons, points, end };
     static constexpr std::uint32_t triangle_bit = 1u << 31, indexed_bits = 3u << 29, node_end = 1u << 29,
                                    moving_bit = 1u << 28;
@@ -48,7 +48,7 @@ struct BvhReference {
     static bool is_node(std::uint32_t r) { return r < node_end; }
     static bool is_moving(std::uint32_t node) { return node & moving_bit; }
     static std::uint32_t node(std::uint32_t r) { return r & (moving_bit - 1); }
-    /// Whether it refers to a leaf of triangles of either layout.
+    /// Returns whether a reference is to a leaf of triangles, indexed or not.
     static bool is_triangle_leaf(std::uint32_t r) { return r >= indexed_bits; }
     static bool is_triangles(std::uint32_t r) { return r >= triangle_bit; }
     static bool is_indexed_triangles(std::uint32_t r) { return is_triangle_leaf(r) && !is_triangles(r); }
@@ -86,9 +86,9 @@ struct IndexedLeaf : BvhLeaf {
     const float* axis(std::ptrdiff_t i) const { return data() + corner_words(std::size_t(count())) + i * vertices(); }
 };
 
-/// Leaf of curve pieces. Arrays: where a piece begins on its segment, and its share of the segment; then, for each of
-/// vertex_times if any piece moves, both ends with radii, and for ribbons the tangents there. The first radius is
-/// negative (or -0) for solid curves, the second for fibers.
+/// Leaf of curve pieces. Arrays: where a piece begins on its segment, and the fraction of the segment that it covers;
+/// then, for each of vertex_times if any piece moves, both ends with radii, and for ribbons the tangents there. The
+/// first radius is negative (or -0) for solid curves, the second for fibers.
 struct CurveLeaf {
     static constexpr int first_time = 2;
     static constexpr int arrays_at_time(bool ribbons) { return ribbons ? 14 : 8; }
@@ -97,9 +97,10 @@ struct CurveLeaf {
 /// Wide node with up to 16 children; boxes of unused slots are empty (low bound above high). A moving node is followed
 /// by another whose bounds are the change of its bounds over the shutter interval.
 struct alignas(64) BvhNode {
-    float bounds[6][bvh_width];      ///< low x, y, z, high x, y, z
-    std::uint32_t child[bvh_width];  ///< occlusion rays visit the last first: it blocks most rays per cost
-    /// For each octant (a bit per axis, set if the direction is negative): the slots from far to near, 4 bits each, the
+    float bounds[6][bvh_width];      ///< rows: low x, y, z, high x, y, z
+    std::uint32_t child[bvh_width];  ///< references; occlusion rays visit the last child first, since it blocks most
+                                     ///< rays per cost
+    /// Slots from far to near for each octant (a bit per axis, set if the direction is negative): 4 bits each, the
     /// first 8 in the low word.
     std::uint32_t order[8][2];
 };
@@ -114,25 +115,25 @@ using BvhNodes = std::vector<BvhNode, UnsetAllocator<BvhNode>>;
 /// The arrays of a BVH.
 struct BvhData {
     BvhNodes nodes;
-    /// For each leaf of n triangles: 9 arrays of n floats (x, y, z of the vertices a, b, c). Padded, since vector loads
-    /// read 16 floats.
+    /// Vertices of leaves: 9 arrays of n floats (x, y, z of the vertices a, b, c) for each leaf of n triangles. The end
+    /// is padded, since vector loads read 16 floats.
     LargeArray<float> triangles;
     LargeArray<BvhKey> keys;
     std::vector<std::uint32_t, LargeAllocator<std::uint32_t>> others;  ///< leaves, see BvhLeaf; padded
 
     std::uint32_t root = 0;  ///< a BvhReference
-    int stack_size = 0;      ///< entries that traversal may need
+    int stack_size = 0;      ///< maximum number of stack entries that traversal needs
     float radius = 0;        ///< largest absolute coordinate in the world
     bool empty = true;
-    bool moving = false;  ///< something moves during the shutter interval
-    bool far = false;     ///< larger than the caches: traversal prefetches
+    bool moving = false;  ///< whether anything moves during the shutter interval
+    bool far = false;     ///< whether the tree is larger than the caches, so that traversal prefetches
     /// The BVH of a shape used by instances.
     struct Mesh {
         std::uint32_t root = 0;
         float radius = 0;
         bool empty = true;
     };
-    std::vector<Mesh> meshes;  ///< by shape; empty if there are no instances
+    std::vector<Mesh> meshes;  ///< indexed by shape; empty if there are no instances
 
     IndexedLeaf indexed_leaf(std::uint32_t reference) const
     {
@@ -148,7 +149,7 @@ struct BvhData {
     const GeometryTables* tables = nullptr;
     AlphaTest alpha_test = nullptr;
     const void* alpha_context = nullptr;
-    bool has_alpha = false;  ///< some shape is alpha-tested, and there is a test
+    bool has_alpha = false;  ///< whether a shape is alpha-tested and there is an alpha test
     BvhStatistics statistics;
 };
 
@@ -156,7 +157,7 @@ struct BvhData {
 /// the sum of the largest coordinates of the ray's origin and of the tree. Derived in traversal/ray.h.
 inline constexpr float bvh_slack = 0x1p-19f;
 
-/// The three vertices of the triangle, or half of a quad, with this key. time: index of vertex_times.
+/// Returns the three vertices of the triangle, or half of a quad, with this key. time: index of vertex_times.
 void vertices_of(const GeometryTables& tables, BvhKey key, Vec3f out[3], std::size_t time = 0);
 
 }  // namespace fathom

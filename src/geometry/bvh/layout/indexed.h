@@ -14,7 +14,7 @@ inline namespace FATHOM_LANES {
 
 static_assert(lanes == IndexedLeaf::max_vertices);
 
-/// For each triangle the index of one of its corners. F: Float, or half of one for leaves with few triangles and
+/// The vertex index of one corner of each triangle. F: Float, or half of one for leaves with few triangles and
 /// vertices.
 template <class F>
 class CornerNumbers {
@@ -29,7 +29,8 @@ public:
         number_[1] = _mm256_cvtepu8_epi32(_mm_srli_si128(bytes, 8));
 #endif
     }
-    /// For each triangle the value of f at its corner; f computes it for all vertices from the coordinate array at p.
+    /// Returns, for each triangle, the value of f at its corner; f computes it for all vertices from the coordinate
+    /// array at p.
     template <class Find>
     [[gnu::always_inline]] Float of(const float* p, const Find& f) const
     {
@@ -91,7 +92,7 @@ private:
 
 #endif
 
-/// Vertices of a leaf at a time: at `fraction` of the way from vertex_times[key] to the next. moving: whether anything
+/// Vertices of a leaf at one time, `fraction` of the way from vertex_times[key] to the next. moving: whether anything
 /// in the scene moves; otherwise positions are read directly.
 template <bool moving, class F>
 class LeafVertices {
@@ -150,8 +151,8 @@ struct PacketTimes {
         first_fraction = least(low[1]), last_fraction = -least(minus_high[1]);
     }
 
-    /// Bounds of each triangle over all these times, which must share a key. Motion is linear, so the first and last
-    /// time suffice.
+    /// Bounds of each triangle over all times of the packet, which must share a key. Motion is linear, so the first and
+    /// last time suffice.
     template <bool moving>
     [[gnu::always_inline]] void bounds(const IndexedLeaf& leaf, Float low[3], Float high[3]) const
     {

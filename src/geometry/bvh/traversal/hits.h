@@ -70,7 +70,7 @@ struct RayTimes {
 struct StreamMemory {
     RayTimes times;
     PreparedRays world[stream_size / lanes], object[stream_size / lanes];
-    PreparedRays together[stream_size / lanes];  ///< rays of a packet in the space of an instance
+    PreparedRays together[stream_size / lanes];  ///< rays of a packet in the object space of an instance
     RayHits hits;
     BvhVisits visits;
     std::vector<std::uint32_t> stacks;

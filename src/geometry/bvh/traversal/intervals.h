@@ -56,7 +56,8 @@ struct RayIntervals {
     float low_inverse[3], high_inverse[3], near_origin[3], far_origin[3];
     float reach = -1;
 
-    /// Computes intervals for each part of the rays and returns those of all rays. radius: of the tree.
+    /// Computes intervals for each part of the rays and returns those of all rays. radius: the tree's largest
+    /// coordinate.
     template <std::size_t parts, class Part>
     static RayIntervals find(RayIntervals (&of_part)[parts], const Part& part, RayMask rays, std::uint32_t octant,
                              float radius)
@@ -83,10 +84,10 @@ struct RayIntervals {
     }
 
 private:
-    static constexpr int count = 16;  ///< numbers used below; the last 4 are padding
+    static constexpr int count = 16;  ///< number of values used below; the last 4 are padding
 
-    /// Minimum inverse directions, negated maximum ones, then nearest and farthest origins, by axis; origins are
-    /// negated where a maximum is wanted.
+    /// Writes minimum inverse directions, negated maximum ones, then nearest and farthest origins, by axis; origins are
+    /// negated where a maximum is needed.
     static void find_least(const PreparedRays& r, Mask m, std::uint32_t octant, float radius, float (&out)[count])
     {
         const Vec3 o = load_vec3(r.f[PreparedRays::origin_x], r.f[PreparedRays::origin_y], r.f[PreparedRays::origin_z]);

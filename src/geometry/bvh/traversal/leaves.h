@@ -26,7 +26,7 @@ struct LeafRay {
     Vec3 o, d;
     Float scale, inverse_scale;  ///< ratio of distances here to those of the original ray, and its inverse
     Float time;
-    /// As in RayTimes; used if anything moves.
+    /// Motion key and fraction as in RayTimes; used if anything moves.
     std::uint32_t key = 0;
     float fraction = 0;
 
@@ -59,7 +59,7 @@ bool intersect_all(int n, const LeafRay& ray, const Meet& meet, const Offer& off
     return found;
 }
 
-/// Leaf data: none; centers, motion and radii are read from the tables.
+/// The leaf stores no data but ids: centers, motion and radii are read from the tables.
 template <bool any_hit, class Offer>
 bool intersect_spheres(const GeometryTables& tables, const BvhLeaf& leaf, const LeafRay& ray, const Offer& offer)
 {
@@ -73,7 +73,7 @@ bool intersect_spheres(const GeometryTables& tables, const BvhLeaf& leaf, const 
     return intersect_all<any_hit>(leaf.count(), ray, meet, offer);
 }
 
-/// Leaf data: none; centers, normals and radii are read from the tables.
+/// The leaf stores no data but ids: centers, normals and radii are read from the tables.
 template <bool any_hit, class Offer>
 bool intersect_disks(const GeometryTables& tables, const BvhLeaf& leaf, const LeafRay& ray, const Offer& offer)
 {
@@ -87,7 +87,7 @@ bool intersect_disks(const GeometryTables& tables, const BvhLeaf& leaf, const Le
     return intersect_all<any_hit>(leaf.count(), ray, meet, offer);
 }
 
-/// Leaf data: 4 arrays, the center and the radius.
+/// The leaf stores 4 arrays: the three coordinates of the centers, and the radii.
 template <bool any_hit, class Offer>
 bool intersect_points(const BvhLeaf& leaf, const LeafRay& ray, const Offer& offer)
 {
@@ -116,7 +116,7 @@ public:
         return mix(now, array_from(leaf_, first_ + CurveLeaf::arrays_at_time(ribbons) + k, at_), fraction_);
     }
     Vec3 vector(int k) const { return {number(k), number(k + 1), number(k + 2)}; }
-    /// The sign of a radius at a key is the flag: interpolation would lose it where both radii are 0.
+    /// The sign of a radius at a key is the flag of solid curves: interpolation would lose it where both radii are 0.
     Mask solid() const { return negative(3); }
     Mask fiber() const { return negative(7); }
 
@@ -134,7 +134,7 @@ struct PieceHits {
     Mask m;
     Float t, w;
 };
-/// Hits on solid curve pieces in the lanes of `solid`. A separate function, so that other curves do not pay for it.
+/// Hits on solid curve pieces in the lanes of `solid`. A separate function keeps other curves fast.
 [[gnu::noinline]] inline PieceHits intersect_solid_pieces(const GeometryTables& tables, UInt segment, Float number,
                                                           const CurvePiece& piece, const LeafRay& ray, Mask solid)
 {

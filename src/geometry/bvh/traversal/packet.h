@@ -11,11 +11,11 @@
 namespace fathom {
 inline namespace FATHOM_LANES {
 
-/// within: the rays are in the space of an instance, in memory.together; otherwise in world space.
+/// within: whether the rays are in the space of an instance, in memory.together; otherwise they are in world space.
 template <bool any_hit, bool moving, bool in_instance = false>
 class PacketTraversal {
 public:
-    /// The subtree to traverse.
+    /// The tree to traverse, and the space of its rays.
     struct Space {
         std::uint32_t root, instance;
         float radius;
@@ -40,7 +40,7 @@ public:
         update_reach();
     }
 
-    /// Traverses what is worth visiting together, and starts the rest in the stream.
+    /// Traverses the nodes that are worth visiting as a packet, and starts the remaining subtrees in the stream.
     void run()
     {
         PacketEntry* const stack = memory_.packet_stack.data();
@@ -74,7 +74,8 @@ private:
     /// Smallest number of rays that enter an instance together.
     static constexpr int min_within = 8;
 
-    /// Whether rays should continue alone: a joint visit costs time for each part that holds any ray. Measured.
+    /// Whether rays should continue one by one: the cost of a joint visit is per part with any ray. The limits were
+    /// measured.
     static bool are_few(RayMask rays, bool is_node)
     {
         if (moving) return std::popcount(rays) <= few_moving;
@@ -143,12 +144,12 @@ private:
             if (BvhReference::other_kind(reference) == BvhReference::instance && std::popcount(rays) >= min_within)
                 return visit_instance(BvhReference::place(reference), rays, size);
         if (BvhReference::is_indexed_triangles(reference)) return visit_indexed_leaf(reference, rays);
-        // Each ray is traced alone, but at once: a hit makes visits farther away unnecessary.
+        // Each ray is traced alone now rather than later, since a hit makes farther visits unnecessary.
         defer({rays, reference, t});
         finish(rays);
     }
 
-    /// Lets the stream process what was deferred for these rays.
+    /// Lets the stream traverse the deferred subtrees of these rays.
     void finish(RayMask rays)
     {
         start(rays);
@@ -157,7 +158,7 @@ private:
         if (!any_hit) update_reach();
     }
 
-    /// Rays that are still coherent in the space of an instance stay together there.
+    /// Rays that are still coherent in the object space of an instance stay a packet there.
     [[gnu::noinline]] void visit_instance(std::uint32_t index, RayMask rays, int size)
     {
         const InstanceRecord& instance = bvh_.tables->instances[index];
@@ -188,7 +189,7 @@ private:
             inner.run();
             blocked_ |= inner.blocked() & same;
         }
-        // Subtrees that the inner packets have deferred are traversed here, together with single rays.
+        // The deferred subtrees of inner packets are traversed here, together with those of single rays.
         finish(rays);
     }
 

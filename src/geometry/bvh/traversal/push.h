@@ -17,7 +17,7 @@ struct BvhStack {
 /// Number of vectors that a node's 16 boxes take.
 inline constexpr int box_parts = bvh_width / lanes;
 
-/// Entry and exit distances of a ray for the boxes of a node.
+/// Entry and exit distances of a ray for the boxes of a node, in vectors.
 struct BoxDistances {
     Float near[box_parts], far[box_parts];
 };
@@ -26,7 +26,7 @@ struct BoxDistances {
 
 static_assert(box_parts == 1);
 
-/// Pushes those of 16 values `what` whose box has near <= far, in the given order from far to near; returns the new
+/// Pushes those of 16 references `what` whose box has near <= far, in the given order from far to near; returns the new
 /// stack size.
 [[gnu::always_inline]] inline int push_in_order(const BvhStack& stack, int size, const std::uint32_t* what,
                                                 const std::uint32_t* order, const BoxDistances& box)
@@ -130,8 +130,8 @@ inline int filter(const BvhStack& stack, int size, float t_max)
     alignas(64) float near[bvh_width];
     alignas(16) std::uint8_t slots[48] = {};  // entries past the last are slot 32
     for (int part = 0; part < box_parts; ++part) store(near + part * lanes, box.near[part]);
-    // `slot` is the order of slots as bytes, `met` the mask of slots that are hit; the mask is permuted into that
-    // order.
+    // `slot` is the order of slots as bytes, `met` the mask of slots that are hit; the shuffle permutes the mask into
+    // that order.
     const __m128i nibbles = _mm_loadl_epi64(reinterpret_cast<const __m128i*>(order)), low = _mm_set1_epi8(15);
     const __m128i slot = _mm_unpacklo_epi8(_mm_and_si128(nibbles, low), _mm_and_si128(_mm_srli_epi16(nibbles, 4), low));
     _mm_store_si128(reinterpret_cast<__m128i*>(slots), slot);

@@ -9,7 +9,7 @@
 namespace fathom {
 inline namespace FATHOM_LANES {
 
-/// For occlusion rays through static scenes.
+/// Traverses a packet of short occlusion rays through a static scene.
 class ShortRayPacketTraversal {
 public:
     using RayStream = Stream<true, false>;
@@ -17,7 +17,7 @@ public:
         : bvh_(bvh), memory_(memory), stream_(stream), rays_(rays)
     {
         for (int axis = 0; axis < 3; ++axis) {
-            Float low(infinity), high(infinity);  // high is negated
+            Float low(infinity), high(infinity);  // lower bounds, and negated upper bounds
             for (int i = 0; i < parts; ++i) {
                 const PreparedRays& r = memory.world[i];
                 const Mask m = part_of(rays, i);
@@ -46,7 +46,7 @@ public:
         return size < 0.25f * bvh_.radius;
     }
 
-    /// Traverses what is worth visiting together, and starts the rest in the stream.
+    /// Traverses the nodes that are worth visiting as a packet, and starts the remaining subtrees in the stream.
     void run()
     {
         PacketEntry* const stack = memory_.packet_stack.data();
@@ -108,7 +108,8 @@ private:
         for (int axis = 0; axis < 3; ++axis)
             near &= (low[axis] <= Float(high_[axis])) & (Float(low_[axis]) <= high[axis]);
         const std::uint32_t triangles = mask_bits(near);
-        // Layout: x, y, z and a gap for each corner of each triangle; padded because lookup() may read 32 floats.
+        // Layout of corners: x, y, z and a gap for each corner of each triangle; padded because lookup() may read 32
+        // floats.
         alignas(64) float corners[lanes * 12 + 32];
         for (std::uint32_t left = triangles; left; left &= left - 1) {
             const int i = std::countr_zero(left);

@@ -112,14 +112,15 @@ private:
     static constexpr std::uint32_t end = BvhReference::others(BvhReference::end, 0);
     /// Number of leaves tested at a time; also how far ahead leaves are prefetched.
     static constexpr int leaf_wave = 8;
-    /// Nodes are prefetched this many rays ahead: fewer is too late, more crowds the load queues.
+    /// Nodes are prefetched this many rays ahead. A smaller number hides less latency, a larger one crowds the load
+    /// queues.
     static constexpr int ahead = 4;
 
-    /// Words of a cache line. Stacks start at a line, so that their entries touch few lines, and lie an odd number of
-    /// lines apart: at powers of two they would evict each other from the cache.
+    /// Number of words in a cache line. Stacks start at a line, so that their entries touch few lines, and lie an odd
+    /// number of lines apart: at powers of two they would evict each other from the cache.
     static constexpr std::size_t line_words = 16;
 
-    /// Number of rays in each queue.
+    /// Numbers of rays in the queues.
     struct Counts {
         int nodes = 0, leaves = 0, others = 0;
     };
@@ -160,7 +161,7 @@ private:
     /// Traversal state of a ray.
     struct State {
         const float* prepared;  ///< in memory.world or, within an instance, in memory.object
-        std::uint32_t* top;     ///< top of its stack of references; their distances are stride_ words further
+        std::uint32_t* top;     ///< top of the stack of references; their distances are stride_ words further
         std::uint32_t reference, instance;
         std::uint32_t* bottom;
     };
@@ -194,7 +195,7 @@ private:
         return moving ? BvhReference::node(states_[ray].reference) : states_[ray].reference;
     }
 
-    /// Prefetches what a ray is about to read.
+    /// Prefetches the node that a ray visits next.
     [[gnu::always_inline]] void fetch_node(int ray) const
     {
         if (!far_) return;
@@ -225,7 +226,7 @@ private:
         for (int line = 0; line < 6; ++line) __builtin_prefetch(p + 64 * line);
     }
 
-    /// Records a ray's next visit. `really` is 0 or 1; 0 has no effect, which saves a branch.
+    /// Records the next visit of a ray. `really` is 0 or 1; 0 has no effect, which saves a branch.
     [[gnu::always_inline]] void queue(int ray, std::uint32_t reference, int& n, int really = 1)
     {
         states_[ray].reference = reference;
@@ -276,7 +277,7 @@ private:
         top += any_hit ? push_any(above, 0, node, box) : push_in_order(above, 0, node.child, order, box);
     }
 
-    /// Leaves of triangles of either layout.
+    /// Leaves of triangles may have either layout.
     static bool is_indexed(std::uint32_t leaf) { return BvhReference::is_indexed_triangles(leaf); }
     IndexedLeaf indexed_leaf(std::uint32_t reference) const { return bvh_.indexed_leaf(reference); }
     int triangle_count(std::uint32_t leaf) const { return bvh_.triangle_count(leaf); }
@@ -285,7 +286,7 @@ private:
         return is_indexed(leaf) ? indexed_leaf(leaf).ids()[i]
                                 : bvh_.keys[BvhReference::first_triangle(leaf) + std::uint32_t(i)];
     }
-    /// Value of RayHits::what for triangle i of a leaf.
+    /// Returns the value of RayHits::what for triangle i of a leaf.
     std::uint32_t hit_id_of(std::uint32_t leaf, int i) const
     {
         return is_indexed(leaf) ? triangle_key(leaf, i)
@@ -402,7 +403,7 @@ private:
         return true;
     }
 
-    /// Visits a leaf when there are fewer lanes than children of a node.
+    /// Visits one leaf; used where a vector has fewer lanes than a node has children.
     void visit_leaf(int ray) { go_on(ray, intersect_leaf(ray, states_[ray].reference)); }
 
     [[gnu::always_inline]] bool take_triangles(int ray, int at, const TriangleIntersections& weighed)
@@ -417,7 +418,7 @@ private:
         return take(ray, m, t, u, v, [&](int lane) { return triangle_key(states_[ray].reference, at + lane); });
     }
 
-    /// After a leaf: removes what lies beyond a new hit, and continues.
+    /// Continues a ray after a leaf: removes stack entries beyond a new hit.
     void go_on(int ray, bool found)
     {
         if (found && any_hit) return;
@@ -483,7 +484,7 @@ private:
         const BvhLeaf leaf{&bvh_.others[std::size_t(BvhReference::place(states_[ray].reference)) * BvhLeaf::unit]};
         const GeometryTables& tables = *bvh_.tables;
         memory_.visits.primitives += std::uint64_t(leaf.count());
-        /// Hits on primitives with keys first + factor times the id in the leaf.
+        /// Offers hits on primitives whose key is first + factor * id.
         const auto offer_keys = [&](std::uint32_t first, std::uint32_t factor) {
             return [this, ray, leaf, first, factor](int at, Mask m, Float t, Float u, Float v) {
                 const Float nearest(memory_.hits.t[ray]);
@@ -578,7 +579,7 @@ private:
     std::uint32_t* stacks_;  ///< first whole cache line of memory.stacks
     Queues now_;
     NextVisits next_;
-    RayMask known_ = 0, waiting_ = 0;  ///< rays with initialized state; rays with deferred subtrees
+    RayMask known_ = 0, waiting_ = 0;  ///< rays with initialized state, and rays with deferred subtrees
     State states_[stream_size];
 };
 

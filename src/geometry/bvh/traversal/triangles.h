@@ -9,7 +9,7 @@ inline namespace FATHOM_LANES {
 /// Result of the inside test, before distances are computed.
 struct TriangleIntersections {
     TriangleWeights weights;  ///< inside: the ray's line passes through the triangle
-    Vec3 corners_z;           ///< of the three vertices, along the ray's longest axis
+    Vec3 corners_z;           ///< z of the three vertices, along the ray's longest axis
 };
 
 /// Converts half a Float, which suffices for few triangles, to a Float.

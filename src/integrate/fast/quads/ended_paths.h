@@ -16,7 +16,7 @@ public:
     {
         Float largest = abs(radiance.c[0]);
         for (int c = 1; c < channels; ++c) largest = max(abs(radiance.c[c]), largest);
-        // NaN must not count as small: where max() loses one, comparing the sum with itself finds it.
+        // NaN must not count as small. max() may lose a NaN, which the comparison of the sum with itself finds.
         Float total = radiance.c[0];
         for (int c = 1; c < channels; ++c) total = total + radiance.c[c];
         const Mask small = ended & (largest < Float(TileSums::small)) & (total == total);

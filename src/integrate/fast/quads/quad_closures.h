@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-/// Shading of quads that are not plain (QuadColumns::plain) in the loop for rooms of quads: next event estimation and
+/// Shading of quads that are not plain (QuadColumns::plain) in the loop for scenes of quads: next event estimation and
 /// sampling of the next direction by their closures.
 #include "integrate/stages/direct.h"
 #include "integrate/stages/scatter.h"
@@ -10,7 +10,7 @@ inline namespace FATHOM_LANES {
 
 /// Vertices of a gang of paths on quads.
 struct QuadVertex {
-    Vec3 p;        ///< on the quad
+    Vec3 p;        ///< position on the quad
     Float offset;  ///< distance from the quad at which rays leave it
     Vec3 d;        ///< direction along which each path arrived
     Vec3 eye;      ///< point from which lights are sampled
@@ -28,7 +28,7 @@ struct QuadScatter {
     Ray shadow;
 };
 
-/// Shading of the quads that are not plain.
+/// Shades the quads that are not plain.
 class QuadClosures {
 public:
     QuadClosures(const LaneScene& scene, StageClock& clock) : surfaces_(scene), materials_(scene), clock_(clock) {}

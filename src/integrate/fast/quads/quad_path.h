@@ -62,7 +62,7 @@ public:
     }
 
 private:
-    /// Origin of rays: the camera, a plain quad, or another quad.
+    /// Where rays start: at the camera, a plain quad, or another quad.
     enum class From { camera, plain, other };
     template <From from>
     struct NextHit;
@@ -107,15 +107,15 @@ private:
         store_path(at, continues, {UInt(0u), Spectrum(Float(1)), sum, Float(1), path.key, path.pixel});
     }
 
-    /// Next event estimation and the next direction for paths on plain quads, stored from index i on. Fields are
-    /// reloaded at each use because registers are scarce.
+    /// Does next event estimation and samples the next direction for paths on plain quads, stored from index i on.
+    /// Fields are reloaded at each use because registers are scarce.
     [[gnu::noinline, gnu::flatten]] void bounce(std::size_t i, Mask valid)
     {
         clock_.enter(RenderStage::light);
         count_vertices(counters_, valid);
         const QuadPool& p = plain_;
         const UInt seed = group_seed(p.key(i), p.bounces(i) + UInt(1u));
-        // One index suffices: the light's point and the next direction never enter one product.
+        // One index is enough for the light's point and the next direction, since they never enter one product.
         const UInt index = shuffled_index(p.key(i), seed);
         Spectrum light(Float(0));
         if (lights_are_sampled_) light = direct_light(i, valid, seed, index);
@@ -133,7 +133,7 @@ private:
                       left, sum);
     }
 
-    /// Next event estimation and the next direction for paths on other quads, stored from index i on.
+    /// Does next event estimation and samples the next direction for paths on other quads, stored from index i on.
     [[gnu::noinline, gnu::flatten]] void bounce_by_closure(const ClosureQuadPool& p, std::size_t i, Mask valid)
     {
         count_vertices(counters_, valid);
@@ -167,7 +167,8 @@ private:
         UInt pixel;
     };
 
-    /// Russian roulette, then the next hit of the paths that continue along `at`. left: throughput; sum: radiance.
+    /// Plays Russian roulette and finds the next hit of the paths that continue along `at`. left: throughput; sum:
+    /// radiance.
     template <From from>
     [[gnu::always_inline]] void continue_path(NextHit<from>& at, const QuadPool& p, std::size_t i, UInt seed,
                                               Float eta_scale, Spectrum left, Spectrum sum)
@@ -251,10 +252,10 @@ private:
         static constexpr bool from_camera = from == From::camera;
 
         Vec3 o, d;
-        Float pdf;                     ///< density of the direction
-        Mask alive;                    ///< lanes with a ray
-        Mask specular{from_camera};    ///< emission is not MIS-weighted against light sampling
-        Mask scattered{!from_camera};  ///< some scattering event of the path was not a delta lobe
+        Float pdf;                     ///< density of the direction, with respect to solid angle
+        Mask alive;                    ///< lanes that have a ray
+        Mask specular{from_camera};    ///< lanes whose emission is not MIS-weighted against light sampling
+        Mask scattered{!from_camera};  ///< lanes whose path had a scattering event that was not a delta lobe
 
         Float t{};
         UInt quad{}, flags{};
@@ -269,7 +270,8 @@ private:
             tracer.counters_.count_rays(from_camera ? RayKind::camera : RayKind::bounce, std::uint64_t(count(alive)));
             const Hit hit = scene.flat.closest(scene.tables, Ray{o, d, Float(infinity), Float(0)});
             t = hit.t;
-            quad = hit.primitive;  // flat scenes of quads have no triangles, which would come first
+            quad = hit.primitive;  // a primitive's number is its quad's, since flat scenes of quads have no triangles,
+                                   // which would come first
             hits = alive & (quad != UInt(no_index));
             flags = scene.quads.flags(quad);
             n = scene.quads.normal(quad);
@@ -313,7 +315,8 @@ private:
             return select(shared, tracer.lights_.emission_weight(record, o, Float(0), d, t, pdf, shared), Float(1));
         }
 
-        /// Arguments are passed by value, so that the caller's variables can stay in registers. 0 outside the mask.
+        /// Radiance of the background; 0 outside the mask. Arguments are passed by value, so that the caller's
+        /// variables can stay in registers.
         [[gnu::noinline]] static Spectrum background(const QuadTracer& tracer, Vec3 d, Float pdf, Mask misses,
                                                      Mask specular)
         {

@@ -14,7 +14,7 @@ struct QuadPool {
     /// bits, and `back` (the path is on the back of the quad).
     Column<std::uint32_t> place;
     Column<std::uint32_t> pixel_hash, reversed_index, pixel;
-    Column<float> eta_scale;  ///< used if some material transmits
+    Column<float> eta_scale;  ///< used if some material refracts
 
     static constexpr std::uint32_t quad_mask = 0x7fff, scattered = 1u << 15, bounce_mask = 0x7fff, back = 1u << 31;
     static constexpr int bounce_shift = 16;
