@@ -47,6 +47,7 @@ LitScene build(const RenderOptions& o, LoadedScene& loaded, RenderPlan& plan, st
     }();
     if (o.series.frames.size() < 2 || o.series.turntable > 0) edit.reset();
     apply_light(lit, o.images, plan.settings, plan.write.display, reporter);
+    decide_on_caustics(lit, o.settings.light_tracing, o.scene.file.string(), plan.settings, warnings, reporter);
     return lit;
 }
 

@@ -40,11 +40,15 @@ void add_path_options(Command& command, SettingsOptions& o)
                           const int choice = parse_choice(text, {"off", "on", "auto"});
                           if (choice < 2) o.guiding = choice == 1;
                       });
-    command.add_value({"--caustics", "on|off",
+    command.add_value({"--caustics", "auto|on|off",
                        "light tracing: paths from the lights find caustics, the light that glass and mirrors throw "
-                       "onto other surfaces, which paths from the camera meet rarely or never",
-                       "off"},
-                      [&](const std::string& text) { o.light_tracing = parse_choice(text, {"off", "on"}) == 1; });
+                       "onto other surfaces, which paths from the camera meet rarely or never. auto: on in `fathom "
+                       "render` if smooth glass refracts light of lights without a size; in `fathom view` off",
+                       "auto"},
+                      [&](const std::string& text) {
+                          const int choice = parse_choice(text, {"off", "on", "auto"});
+                          if (choice < 2) o.light_tracing = choice == 1;
+                      });
     command.add_value({"--clamp-indirect", "X",
                        "limit the light that each sample gets over two or more surfaces, per channel and before "
                        "exposure. Biased: removes fireflies, but darkens caustics and bright corners",
@@ -100,7 +104,7 @@ RenderSettings resolve_settings(const SettingsOptions& o, const RenderHints& hin
     settings.filter = o.filter.value_or(settings.filter);
     settings.light_selection = o.light_selection;
     settings.guiding = o.guiding.value_or(false);
-    settings.light_tracing = o.light_tracing;
+    settings.light_tracing = o.light_tracing.value_or(false);
     settings.background = o.background ? o.background : hints.background;
     settings.alpha = o.transparent;
     if (o.clamp_indirect) settings.clamp_indirect = float(*o.clamp_indirect);

@@ -309,6 +309,19 @@ void apply_light(const LitScene& lit, const ImageOptions& options, RenderSetting
     if (lit.backdrop && !settings.background) settings.background = studio_backdrop;
 }
 
+void decide_on_caustics(const LitScene& lit, std::optional<bool> wanted, const std::string& file,
+                        RenderSettings& settings, Warnings& warnings, Reporter& reporter)
+{
+    if (lit.refracted_light.empty()) return;
+    settings.light_tracing = wanted.value_or(true) && settings.light_sampling;
+    if (!settings.light_tracing)
+        warnings.add(fmt::format("{}: {}, and the light that the glass refracts is missing (caustics); --caustics on "
+                                 "renders it",
+                                 file, lit.refracted_light));
+    else if (!wanted)
+        reporter.note(fmt::format("caustics: on, because {} (disable them with --caustics off)", lit.refracted_light));
+}
+
 void set_time(EditableScene& edit, const LoadedScene& loaded, const SceneOptions& options, double time_s)
 {
     if (!loaded.player) return;

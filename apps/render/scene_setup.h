@@ -43,6 +43,12 @@ LitScene compile_with_light(EditableScene& edit, const LoadedScene& loaded, cons
 void apply_light(const LitScene& lit, const ImageOptions& options, RenderSettings& settings, DisplayTransform& display,
                  Reporter& reporter);
 
+/// Decides on RenderSettings::light_tracing. wanted: the user's choice; none: on if glass refracts light that path
+/// tracing alone cannot find. Warns if that light will be missing.
+void decide_on_caustics(const LitScene& lit, std::optional<bool> wanted, const std::string& file,
+                        RenderSettings& settings, Warnings& warnings, Reporter& reporter);
+
+
 /// Moves animation and camera to another time.
 void set_time(EditableScene& edit, const LoadedScene& loaded, const SceneOptions& options, double time_s);
 /// The camera after a fraction of a turntable's turn, counterclockwise seen from above.

@@ -8,7 +8,7 @@ namespace fathom {
 struct RenderSpace {
     Vec3d origin;
     double scale = 1;   ///< a power of two
-    double radius = 1;  ///< of the scene, in units of render space
+    double radius = 1;  ///< radius of the scene in render space
     Vec3d ball_center;  ///< of a ball that contains the scene, in render space
     double ball_radius = 1;
 

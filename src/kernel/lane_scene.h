@@ -43,7 +43,7 @@ struct LaneScene final : KernelScene {
     QuadColumns quads;
     Features features;
     EnumSet<ClosureKind> closures;  ///< kinds of the closures that scatter
-    FilterTable filters[3];         ///< Gaussian, Blackman-Harris, tent
+    FilterTable filters[3];         ///< tables of the filters Gaussian, Blackman-Harris and tent
     /// Per light the two words of the MediumStack around it; empty until light tracing needs them.
     mutable std::vector<std::uint32_t> light_media;
     mutable std::mutex light_media_mutex;

@@ -193,7 +193,7 @@ LitScene compile_lit(EditableScene& edit, LightingMode light, double aspect, War
                      const std::optional<Ground>& ground)
 {
     LitScene result = compile_with_light(edit, light, aspect, warnings, ground);
-    warn_of_refracted_lamps(result.scene, edit.description(), warnings);
+    result.refracted_light = describe_refracted_lamps(result.scene, edit.description());
     return result;
 }
 

@@ -180,22 +180,15 @@ RefractedLamps find_refracted_lamps(const Scene& scene, const std::function<Boun
     return result;
 }
 
-void warn_of_refracted_lamps(const Scene& scene, const SceneDescription& description, Warnings& warnings)
+std::string describe_refracted_lamps(const Scene& scene, const SceneDescription& description)
 {
     constexpr double noticeable = 0.01;
     const RefractedLamps found = find_refracted_lamps(scene, [&] { return world_bounds(description); });
-    if (found.light_on_glass < noticeable) return;
-    const std::string advice = "; to render it, replace them by emissive surfaces or make the glass thin or rough";
+    if (found.light_on_glass < noticeable) return "";
     if (found.hidden > 0)
-        warnings.add(
-            fmt::format("{}: {} of {} lights without size are visible through glass only: their light is missing, "
-                        "because no path can find such a light through a smooth refracting surface{}",
-                        description.file, found.hidden, found.lamps, advice));
-    else
-        warnings.add(
-            fmt::format("{}: {:.0f} % of the light of lights without size falls on glass, and the light that the glass "
-                        "refracts is missing (caustics){}",
-                        description.file, std::max(1.0, 100 * found.light_on_glass), advice));
+        return fmt::format("{} of {} lights without size are visible through glass only", found.hidden, found.lamps);
+    return fmt::format("{:.0f} % of the light of lights without size falls on glass",
+                       std::max(1.0, 100 * found.light_on_glass));
 }
 
 }  // namespace fathom

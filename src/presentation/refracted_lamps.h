@@ -2,6 +2,7 @@
 #pragma once
 #include <cstddef>
 #include <functional>
+#include <string>
 
 #include "fathom/load.h"
 #include "fathom/render.h"
@@ -24,7 +25,7 @@ struct RefractedLamps {
 /// bounds  bounds of the scene in world space, needed for directional lights only
 RefractedLamps find_refracted_lamps(const Scene& scene, const std::function<Bounds()>& bounds);
 
-/// Adds a warning that names `file` if a noticeable fraction of delta lights' light is missing.
-void warn_of_refracted_lamps(const Scene& scene, const SceneDescription& description, Warnings& warnings);
+/// LitScene::refracted_light of a scene.
+std::string describe_refracted_lamps(const Scene& scene, const SceneDescription& description);
 
 }  // namespace fathom

@@ -34,7 +34,7 @@ constexpr double pass_s = 0.4;
 constexpr double longest_pass_s = 0.8;
 /// Light paths per task.
 constexpr std::uint32_t light_paths_per_job = 1u << 14;
-/// Limit of what a task of the smallest tile can hold.
+/// Limit on the samples of a pass, which a task of the smallest tile can hold.
 constexpr std::uint64_t max_pass_samples = 1024;
 
 KernelSettings kernel_settings(const RenderSettings& s, const FilmLayout& layout)

@@ -23,8 +23,10 @@ def run(program, *arguments, level=None):
 
 
 WIDTH, HEIGHT = 64, 48
-guided_mark = " guided"
+guided_mark, caustics_mark = " guided", " with caustics"
 GUIDED = [scene + guided_mark for scene in ("cornell-box", "environment", "instances")]
+
+CAUSTICS = [scene + caustics_mark for scene in ("report-spheres", "environment", "../tests/golden/scenes/moving-lamps")]
 
 
 def pixels(path):
@@ -55,10 +57,11 @@ def main():
                       "motion-blur", "motion-nodes", "motion-vertices", "curves",
                       "points", "depth-of-field", "model", "instances", "../tests/golden/scenes/hundreds-of-lamps",
                       "../tests/golden/scenes/moving-lamps", "../tests/golden/scenes/pictured-lights", "../tests/golden/scenes/glowing-curves",
-                      "../tests/golden/scenes/moving-curves", "../tests/golden/scenes/fibres", *GUIDED]:
-            path = os.path.join(scenes, scene.removesuffix(guided_mark) + ".json")
+                      "../tests/golden/scenes/moving-curves", "../tests/golden/scenes/fibres", *GUIDED, *CAUSTICS]:
+            path = os.path.join(scenes, scene.removesuffix(guided_mark).removesuffix(caustics_mark) + ".json")
             guiding = "on" if scene.endswith(guided_mark) else "off"
-            common = ["-q", "--size", f"{WIDTH}x{HEIGHT}", "--exr", "float", "--guiding", guiding]
+            caustics = "on" if scene.endswith(caustics_mark) else "off"
+            common = ["-q", "--caustics", caustics, "--size", f"{WIDTH}x{HEIGHT}", "--exr", "float", "--guiding", guiding]
             seen = {}
             for name, level in levels.items():
                 out = os.path.join(folder, "level.exr")

@@ -12,8 +12,8 @@ inline namespace FATHOM_LANES {
 template <class Closure>
 struct ShadingPoint {
     Vec3 p, ng;
-    Float offset;  ///< see Surface
-    Frame frame;   ///< of the shading normal
+    Float offset;  ///< offset of rays that leave the surface, see Surface
+    Frame frame;   ///< frame of the shading normal
     Vec3 given_normal;  ///< the shading normal before it was bent toward ng, on the same side
     Vec3 wo;       ///< toward the previous vertex, in `frame`
     UInt material_index;

@@ -119,7 +119,8 @@ private:
         if (scene_.has(Feature::exit_offsets)) p.exit_offset.store(i, Float(0), turns);
         // Light paths end where a medium scatters them.
         if (settings_.light_paths > 0) p.connection.store(i, Float(infinity), turns);
-        // The path counts as having left the camera: first hits are not recorded through a scattering medium.
+        // The path no longer counts as coming from the camera, since first hits behind a scattering event are not
+        // recorded.
         const Mask from_camera = bounce == UInt(0u);
         const UInt left = select(counts | from_camera, UInt(1u), UInt(0u));
         const UInt dead = select(ends, UInt(PathPool::dead), UInt(0u));

@@ -89,7 +89,7 @@ private:
         return light.get(&Record::radius) * sqrt(dot(half, half)) * Float(4 * pi);
     }
 
-    /// The axis as seen from a point.
+    /// The axis of the tube as seen from a point.
     struct Axis {
         Vec3 e;       ///< unit vector along the axis, towards the half that contains the center
         Vec3 x;       ///< unit vector from the point towards the axis, perpendicular to it

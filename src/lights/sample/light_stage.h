@@ -265,9 +265,9 @@ private:
         const UInt texture = materials_.get(&MaterialRecord::emission_texture, material, m);
         const Texel t = evaluate_textures(tables_, texture, surface.at, m);
         Spectrum factor;
-        // Round primitives are opaque.
+        // Only flat primitives are alpha-tested; round ones are opaque.
         const Mask flat = m & less(primitive, UInt(tables_.first_sphere()));
-        // The alpha of lights that no ray hits is 0 and does not dim them.
+        // Lights that no ray hits have an alpha of 0, which does not dim them.
         const Mask masked = flat & !light.has(LightRecord::not_hit_by_rays);
         const Float stopped = opacity(tables_, material, surface.at, masked);
         for (int c = 0; c < channels; ++c) factor.c[c] = select(m, t.c[c] * stopped, Float(1));
@@ -285,7 +285,8 @@ private:
         hit.time = time;
         hit.primitive = light.primitive();
         hit.instance = light.instance();
-        // Barycentric coordinates of a triangle's point; other kinds compute theirs from the position.
+        // Triangle lights store the barycentric coordinates of the point; other kinds compute texture coordinates from
+        // the position.
         using Triangle = TriangleLightRecord;
         const Vec3 r = fma(wi, distance, from) - light.get(&Triangle::corner);
         const Vec3 u = light.get(&Triangle::edge_u), v = light.get(&Triangle::edge_v);
