@@ -355,6 +355,33 @@ class Picture(CommandLine):
                 word = b"fathom.guiding\0string\0" + len(guiding).to_bytes(4, "little") + guiding.encode()
                 self.assertIn(word, Path(self.path("guided.exr")).read_bytes())
 
+    def test_caustics_by_themselves(self):
+        """Light tracing is used where glass refracts the light of a point, and both parts of an image agree on it."""
+        scene = {"fathom": 1, "camera": {"position": [0, 1, 4], "look_at": [0, 0.5, 0]},
+                 "materials": {"floor": {"kind": "diffuse"}, "glass": {"kind": "glass", "ior": 1.5}},
+                 "lights": {"bulb": {"kind": "point", "position": [0, 2, 0], "intensity": 5}},
+                 "scene": [{"material": "floor", "rectangle": {"corner": [-2, 0, 2], "edge_u": [4, 0, 0], "edge_v": [0, 0, -4]}}]}
+        ball = {"material": "glass", "sphere": {"center": [0, 0.8, 0], "radius": 0.5}}
+        Path(self.path("plain.json")).write_text(json.dumps(scene))
+        Path(self.path("ball.json")).write_text(json.dumps({**scene, "scene": [*scene["scene"], ball]}))
+        note, warning = "caustics: on, because", "is missing (caustics); --caustics on renders it"
+        for name, options, caustics, words in [
+                ("plain", [], "off", None), ("ball", [], "on", note), ("ball", ["--caustics", "auto"], "on", note),
+                ("ball", ["--caustics", "off"], "off", warning), ("ball", ["--caustics", "on"], "on", None),
+                ("plain", ["--caustics", "on"], "on", None), ("ball", ["--light-sampling", "off"], "off", warning)]:
+            with self.subTest(name=name, options=options):
+                text = self.ok("render", name + ".json", "--size", "16x12", "--spp", "2", "-o", "x.exr", *options, program=PROGRAM).stderr
+                for line in (note, warning):
+                    self.assertEqual(line in text, line == words, text)
+                word = b"fathom.light_tracing\0string\0" + len(caustics).to_bytes(4, "little") + caustics.encode()
+                self.assertIn(word, Path(self.path("x.exr")).read_bytes())
+        common = ["render", "ball.json", "--size", "16x12"]
+        self.ok(*common, "--samples", "0:3", "-o", "a.exr", program=PROGRAM)
+        self.ok(*common, "--samples", "3:6", "-o", "b.exr", program=PROGRAM)
+        self.ok("merge", "a.exr", "b.exr", "-o", "all.exr", program=PROGRAM)
+        self.ok(*common, "--samples", "6:8", "--caustics", "off", "-o", "c.exr", program=PROGRAM)
+        self.refused(1, "merge", "all.exr", "c.exr", "-o", "x.exr", words=["c.exr", "light_tracing is 0, not 1"], program=PROGRAM)
+
     def test_only_sample(self):
         result = self.ok("render", "box.json", "--only-sample", "12,34,56")
         self.assertEqual(result.stdout, "pixel 12,34 sample 56: 12 34 56\n")

@@ -18,7 +18,7 @@ OF_TASKS = {
     "--sun-place": "50,8", "--sun-date": "2026-06-21T12:00Z", "--ground": "none", "--build": "high", "--crop": "1,2,3,4",
     "--aov": "depth", "--seed": "7", "--threads": "2", "--filter": "box", "--filter-radius": "2", "--max-depth": "9",
     "--roulette-depth": "8", "--light-sampling": "off", "--light-selection": "power", "--clamp-indirect": "3",
-    "--guiding": "on", "--background": "white", "--every": "10s",
+    "--guiding": "on", "--caustics": "on", "--background": "white", "--every": "10s",
 }
 OF_MERGE = {
     "--exposure": "2", "--white-balance": "3000", "--tonemap": "agx", "--ocio": "ocio://default", "--ocio-display": "d",

@@ -40,7 +40,7 @@ class Usage(CommandLine):
             "--max-depth": ["-1", "x"],
             "--roulette-depth": ["-1"],
             "--light-sampling": ["maybe"],
-            "--guiding": ["maybe"],
+            "--guiding": ["maybe"], "--caustics": ["maybe"],
             "--samples": ["5:5", "9:3", "5", "a:b", "-1:4"],
             "--only-sample": ["1,2", "800,0,0", "0,600,0", "-1,0,0", "0,0,4294967296"],
             "--aov": ["colour", ""],
