@@ -57,11 +57,13 @@ private:
                 {o, d, hits.t.load(i), hits.u.load(i), hits.v.load(i), time, primitive, instance}, single);
             const Mask passed = hidden | (single & (dot(d, s.ng) > Float(0)));
             if (none(passed)) continue;
-            const Vec3 start = fma(flip_sign(s.ng, dot(d, s.ng)), s.offset, s.p);
-            origin_.append(size, start, passed);
+            // The ray continues on itself, at the surface's offset behind it. From a point beside it, the next surface
+            // would seem to lie beside its place, by more than that surface's own offset, and paths would leak through.
+            const Float way = hits.t.load(i) + s.offset / max(abs(dot(d, s.ng)), Float(0x1p-10f));
+            origin_.append(size, fma(d, way, o), passed);
             direction_.append(size, d, passed);
             time_.append(size, time, passed);
-            way_.append(size, dot(start - o, d), passed);
+            way_.append(size, way, passed);
             paths_.append(size, iota() + UInt(std::uint32_t(i)), passed);
             size += std::size_t(count(passed));
         }
