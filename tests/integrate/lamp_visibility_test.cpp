@@ -59,6 +59,14 @@ TEST(LampVisibility, NoRayHitsInvisibleLights)
         light.opacity.alpha.value = alpha;
         expect_mean(render_film(LitFloor(light).scene, small_image_settings(4, 4), 1024), expected);
     }
+    // Nor does it if a texture varies the emission.
+    LitFloor textured(light);
+    Texture even;
+    even.kind = TextureKind::checker_uv;
+    even.color_a.value = even.color_b.value = {1, 1, 1};
+    textured.scene.textures.push_back(even);
+    textured.scene.materials.back().emission.radiance.texture = 0;
+    expect_mean(render_film(textured.scene, small_image_settings(4, 4), 1024), expected);
     // The light occludes nothing: another light above it contributes too.
     LitFloor two(light);
     two.add(Rectangle{{-2, -2, 2}, {0, 4, 0}, {4, 0, 0}}, two.material(light));
@@ -79,19 +87,20 @@ TEST(LampVisibility, InMirrors)
     }
 }
 
-/// A sphere and a mesh of triangles illuminate equally when they are invisible.
+/// A sphere of radius r at distance d straight above contributes L (r / d)^2, whether rays hit it or not. Light samples
+/// of a large sphere compete with scattered rays only if these hit it.
 TEST(LampVisibility, InvisibleBalls)
 {
-    for (const bool is_invisible : {false, true}) {
-        Material light = lamp(10);
-        light.visibility.invisible_light = is_invisible;
-        SceneBuilder scene;
-        scene.add(Rectangle{{-1e-3, -1e-3, 0}, {2e-3, 0, 0}, {0, 2e-3, 0}}, scene.diffuse(1));
-        scene.add(Sphere{{0, 0, 2}, 0.5, {}}, scene.material(light));
-        scene.camera({1, 0, 1}, {0, 0, 0}, 0.01);
-        // A sphere of radius r at distance d straight above contributes L (r / d)^2.
-        expect_mean(render_film(scene.scene, small_image_settings(4, 4), 1024), 10.0 / 16, 0.003);
-    }
+    for (const bool is_invisible : {false, true})
+        for (const double radius : {0.5, 1.5}) {
+            Material light = lamp(10);
+            light.visibility.invisible_light = is_invisible;
+            SceneBuilder scene;
+            scene.add(Rectangle{{-1e-3, -1e-3, 0}, {2e-3, 0, 0}, {0, 2e-3, 0}}, scene.diffuse(1));
+            scene.add(Sphere{{0, 0, 2}, radius, {}}, scene.material(light));
+            scene.camera({1, 0, 0.2}, {0, 0, 0}, 0.01);
+            expect_mean(render_film(scene.scene, small_image_settings(4, 4), 1024), 10 * radius * radius / 4, 0.003);
+        }
 }
 
 }  // namespace

@@ -59,6 +59,32 @@ struct Layers : SceneBuilder {
 
 constexpr Color red{1, 0, 0}, green{0, 1, 0}, blue{0, 0, 1};
 
+/// In a closed room whose walls emit 1/2 and reflect 1/2, radiance is 1 everywhere. A camera outside sees it through a
+/// wall that it passes; no path may leak out behind that wall.
+TEST(SingleSided, NoPathLeaksBehindAPassedWall)
+{
+    for (const int spheres : {0, 100})
+        for (const bool hidden : {false, true}) {
+            SceneBuilder b;
+            const int wall = b.diffuse(0.5f, {0.5f, 0.5f, 0.5f});
+            Material seen_through = b.scene.materials[0];
+            seen_through.visibility.hidden_from_camera = hidden;
+            seen_through.visibility.camera_backface_culling = !hidden;
+            b.add(Rectangle{{-1, 0, 1}, {2, 0, 0}, {0, 0, -2}}, wall);
+            b.add(Rectangle{{-1, 2, -1}, {2, 0, 0}, {0, 0, 2}}, wall);
+            b.add(Rectangle{{-1, 0, -1}, {2, 0, 0}, {0, 2, 0}}, wall);
+            b.add(Rectangle{{-1, 0, 1}, {0, 0, -2}, {0, 2, 0}}, wall);
+            b.add(Rectangle{{1, 0, -1}, {0, 0, 2}, {0, 2, 0}}, wall);
+            b.add(Rectangle{{-1, 0, 1}, {0, 2, 0}, {2, 0, 0}}, b.material(seen_through));
+            // Spheres outside select how rays are traced.
+            for (int i = 0; i < spheres; ++i) b.add(Sphere{{3 - 0.1 * i, -3, 0}, 0.02, {}}, wall);
+            b.camera({0.1, 1.05, 3.4}, {0, 1, 0});
+            const Film film = render_film(b.scene, small_image_settings(24, 24), 64);
+            const Mean m = mean_of(film);
+            EXPECT_NEAR(m.value[0], 1, 2e-3) << (hidden ? "hidden" : "culled") << ", " << spheres << " spheres";
+        }
+}
+
 TEST(SingleSided, CamerasLookThroughBacks)
 {
     for (const std::uint32_t n : {1u, 20u}) {
