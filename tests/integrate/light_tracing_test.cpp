@@ -398,10 +398,12 @@ TEST(LightTracing, SmoothNormalsAreTheSame)
     }
 }
 
-/// Light samples and light paths pass thin panes without a bend.
+/// Light samples and light paths pass thin panes without a bend. These panes reflect hardly anything: what panes reflect
+/// of lamps without size is found by light paths only.
 TEST(LightTracing, PanesPassTheSame)
 {
     Material pane = dielectric();
+    pane.ior = 1.02f;
     pane.interior.thin = true;
     for (std::size_t lamp : {0u, 1u, 4u, 6u}) {
         SCOPED_TRACE(lamps()[lamp].first);
