@@ -7,25 +7,28 @@ inline namespace FATHOM_LANES {
 
 namespace detail {
 
-/// Transforms a light that is spanned by two edges. share: its area, in units of that of the parallelogram.
-template <class Record, class Moving>
-void place_edges(Moving& light, const LightPlace& at, Float share, Mask m)
-{
-    const Vec3 u = at.to_render.vector(light.get(&Record::edge_u)), v = at.to_render.vector(light.get(&Record::edge_v)),
-               n = cross(u, v);
-    light.set(&Record::corner, at.to_render.point(light.get(&Record::corner)), m);
-    light.set(&Record::edge_u, u, m);
-    light.set(&Record::edge_v, v, m);
-    light.set(&FlatLightRecord::area, sqrt(dot(n, n)) * share, m);
-    place_normal(light, at, m);
-}
+/// Base of lights that are spanned by two edges. `parts` of them fill the parallelogram.
+template <class Own, int parts>
+struct EdgesLight {
+    using Record = Own;
+
+    template <class Moving>
+    static void place(Moving& light, const LightPlace& at, Mask m)
+    {
+        const Vec3 u = at.to_render.vector(light.get(&Record::edge_u)),
+                   v = at.to_render.vector(light.get(&Record::edge_v)), n = cross(u, v);
+        light.set(&Record::corner, at.to_render.point(light.get(&Record::corner)), m);
+        light.set(&Record::edge_u, u, m);
+        light.set(&Record::edge_v, v, m);
+        light.set(&FlatLightRecord::area, sqrt(dot(n, n)) * Float(1.0f / parts), m);
+        place_normal(light, at, m);
+    }
+};
 
 }  // namespace detail
 
 /// Parallelogram, sampled uniformly by area.
-struct ParallelogramLight {
-    using Record = ParallelogramLightRecord;
-
+struct ParallelogramLight : detail::EdgesLight<ParallelogramLightRecord, 1> {
     template <class Light>
     static LightPoint sample(const Light& light, Vec3 p, Float, Sample2 random, Mask)
     {
@@ -33,18 +36,10 @@ struct ParallelogramLight {
                            fma(light.get(&Record::edge_v), random.y, light.get(&Record::corner)));
         return detail::FlatLightPoint(q - p, light);
     }
-
-    template <class Moving>
-    static void place(Moving& light, const LightPlace& at, Mask m)
-    {
-        detail::place_edges<Record>(light, at, Float(1), m);
-    }
 };
 
 /// Triangle, sampled uniformly by area.
-struct TriangleLight {
-    using Record = TriangleLightRecord;
-
+struct TriangleLight : detail::EdgesLight<TriangleLightRecord, 2> {
     /// Heitz 2019, "A Low-Distortion Map Between Triangle and Square".
     template <class Light>
     static LightPoint sample(const Light& light, Vec3 p, Float, Sample2 random, Mask)
@@ -55,12 +50,6 @@ struct TriangleLight {
         const Vec3 q =
             fma(light.get(&Record::edge_u), u, fma(light.get(&Record::edge_v), v, light.get(&Record::corner)));
         return detail::FlatLightPoint(q - p, light);
-    }
-
-    template <class Moving>
-    static void place(Moving& light, const LightPlace& at, Mask m)
-    {
-        detail::place_edges<Record>(light, at, Float(0.5f), m);
     }
 };
 
