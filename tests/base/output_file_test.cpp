@@ -2,14 +2,12 @@
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <gtest/gtest.h>
-#include <sys/resource.h>
 #include <sys/stat.h>
 #include <sys/syscall.h>
 #include <unistd.h>
 #include <algorithm>
 #include <bit>
 #include <cerrno>
-#include <csignal>
 #include <cstdarg>
 #include <cstring>
 #include <functional>
@@ -18,6 +16,7 @@
 #include "fathom/error.h"
 #include "image/pictures.h"
 #include "support/error_message.h"
+#include "support/file_size_limit.h"
 
 namespace {
 
@@ -148,24 +147,19 @@ TEST(WriteImage, KeepsWhoMayReadTheFile)
 
 TEST(WriteImage, KeepsTheEarlierFileWhenTheDiskIsFull)
 {
-    // A limit on the size of files simulates a full disk: write() fails at the same places.
     const TemporaryFolder folder;
     for (const char* name : {"a.exr", "a.png", "a.jpg", "a.webp", "a.avif", "a.hdr"}) {
         const fs::path file = folder.path() / name;
         write_image(file, make_test_image(4, 4), {});
         const std::vector<char> before = test::bytes_of(file);
-        rlimit old{};
-        getrlimit(RLIMIT_FSIZE, &old);
-        const auto old_handler = std::signal(SIGXFSZ, SIG_IGN);
         for (rlim_t limit : {0, 100, 5000, 20000}) {
-            const rlimit small{limit, old.rlim_max};
-            setrlimit(RLIMIT_FSIZE, &small);
-            const std::string message = error_message([&] { write_image(file, make_test_image(300, 200), {}); });
-            setrlimit(RLIMIT_FSIZE, &old);
+            const std::string message = error_message([&] {
+                const test::FileSizeLimit full(limit);
+                write_image(file, make_test_image(300, 200), {});
+            });
             EXPECT_EQ(message.rfind("can't write: ", 0), 0u) << name << " " << limit << " " << message;
             EXPECT_EQ(test::bytes_of(file), before) << name;
         }
-        std::signal(SIGXFSZ, old_handler);
     }
     EXPECT_EQ(folder.files(), 6u);
 }

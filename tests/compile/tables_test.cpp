@@ -101,17 +101,23 @@ TEST(MaterialTable, SubsurfacesOfAnyTexture)
     }
 }
 
+/// A scene of one material of a kind, compiled after a change of its parameters.
+Scene scene_of(MaterialKind kind, const std::function<void(Material&)>& change)
+{
+    SceneDescription d = empty_scene();
+    Material m;
+    m.kind = kind;
+    change(m);
+    d.materials = {m};
+    return compiled(d);
+}
+
 /// Each principled material is compiled to the simplest closure that supports its parameters.
 TEST(MaterialTable, LayersAsNeeded)
 {
     using enum ClosureKind;
     const auto closure = [](const std::function<void(Material&)>& change) {
-        SceneDescription d = empty_scene();
-        Material m;
-        m.kind = MaterialKind::principled;
-        change(m);
-        d.materials = {m};
-        const Scene scene = compiled(d);
+        const Scene scene = scene_of(MaterialKind::principled, change);
         const SceneTables& t = *scene.data().tables;
         EXPECT_EQ(t.layers.size(), t.materials[0].closure == layered || t.materials[0].closure == layered_transmitting);
         return t.materials[0].closure;
@@ -142,12 +148,7 @@ TEST(MaterialTable, LayersAsNeeded)
 TEST(MaterialTable, DisneysPassLightWhereAsked)
 {
     const auto closure = [](const std::function<void(Material&)>& change) {
-        SceneDescription d = empty_scene();
-        Material m;
-        m.kind = MaterialKind::disney;
-        change(m);
-        d.materials = {m};
-        return compiled(d).data().tables->materials[0];
+        return scene_of(MaterialKind::disney, change).data().tables->materials[0];
     };
     using enum ClosureKind;
     EXPECT_EQ(closure([](Material&) {}).closure, disney);
@@ -163,12 +164,8 @@ TEST(MaterialTable, DisneysPassLightWhereAsked)
 TEST(PlasticTable, LayersLoseAShareWithin)
 {
     for (const auto& [thickness, lost] : {std::pair{0.0f, 0.0f}, {0.01f, 0.048598f}, {0.2f, 0.566788f}}) {
-        SceneDescription d = empty_scene();
-        Material m;
-        m.kind = MaterialKind::plastic;
-        m.plastic.optical_thickness = thickness;
-        d.materials = {m};
-        const Scene scene = compiled(d);
+        const Scene scene =
+            scene_of(MaterialKind::plastic, [&](Material& m) { m.plastic.optical_thickness = thickness; });
         const auto record = scene.data().tables->materials[0].parameters_as<PlasticRecord>();
         EXPECT_EQ(record.optical_thickness, thickness);
         EXPECT_NEAR(record.internal_absorption, lost, 2e-5);

@@ -8,8 +8,8 @@
 #include <numbers>
 #include <string>
 
-#include "fathom/error.h"
 #include "fathom/load.h"
+#include "support/error_message.h"
 #include "support/near.h"
 
 namespace fathom::test {
@@ -40,16 +40,7 @@ protected:
     std::string error_of(const std::string& name, const std::string& content) { return error_of(write(name, content)); }
     std::string error_of(const std::filesystem::path& path)
     {
-        try {
-            load_scene(path, {}, warnings_);
-        } catch (const Error& e) {
-            EXPECT_EQ(std::string(e.what()).find('\n'), std::string::npos) << e.what();
-            // The error stays short enough to read however deep its location is nested.
-            EXPECT_LT(std::string(e.what()).size(), 600u) << e.what();
-            EXPECT_EQ(e.file(), path.string());
-            return (e.place().empty() ? "" : e.place() + ": ") + e.message();
-        }
-        return "loaded";
+        return error_in_file(path.string(), [&] { load_scene(path, {}, warnings_); });
     }
 
     /// Number of warnings that contain these words.
@@ -73,6 +64,16 @@ inline void expect_color(const Color& c, double r, double g, double b, double to
     EXPECT_NEAR(c.r, r, tolerance);
     EXPECT_NEAR(c.g, g, tolerance);
     EXPECT_NEAR(c.b, b, tolerance);
+}
+
+/// Normal of the triangle whose three indices begin at `first`, as long as its area.
+inline Vec3d area_vector(const Mesh& mesh, std::size_t first)
+{
+    const auto corner = [&](std::size_t k) {
+        const Vec3f p = mesh.positions[mesh.indices[first + k]];
+        return Vec3d{p.x, p.y, p.z};
+    };
+    return cross(corner(1) - corner(0), corner(2) - corner(0)) * 0.5;
 }
 
 inline std::string bytes_of(const std::filesystem::path& file)

@@ -3,7 +3,6 @@
 
 #include <sys/mman.h>
 #include <unistd.h>
-#include <zlib.h>
 
 #include <algorithm>
 #include <cstdint>
@@ -32,6 +31,7 @@
 #include "formats/stl/stl.h"
 #include "lights/ies/ies.h"
 #include "scene/check.h"
+#include "support/deflated.h"
 
 namespace fathom::fuzz {
 
@@ -448,14 +448,7 @@ std::vector<std::string> mitsuba_seeds()
 std::vector<std::string> serialized_seeds()
 {
     // The file has two meshes of format version 4: a triangle with normals and texture coordinates, and one in doubles.
-    const auto deflated = [](const std::string& bytes) {
-        uLongf size = compressBound(uLong(bytes.size()));
-        std::string out(size, 0);
-        compress(reinterpret_cast<Bytef*>(out.data()), &size, reinterpret_cast<const Bytef*>(bytes.data()),
-                 uLong(bytes.size()));
-        out.resize(size);
-        return out;
-    };
+    using test::deflated;
     const std::string sign = {0x1c, 0x04, 4, 0};
     const auto counts = raw(std::vector<std::uint64_t>{3, 1}), indices = raw(std::vector<std::uint32_t>{0, 1, 2});
     const std::string first =

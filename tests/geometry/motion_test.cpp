@@ -19,6 +19,16 @@ void add_moving_triangle(GeometryTables& tables, std::vector<std::vector<Vec3f>>
     }
 }
 
+/// Completes tables whose first shape has moving vertices, with positions at each of these times.
+void finish_moving(GeometryTables& tables, std::uint32_t vertices, const std::vector<float>& times)
+{
+    tables.shapes[0].moving_vertices = vertices;
+    tables.vertex_times = times;
+    tables.shutter_open = times.front();
+    tables.shutter_close = times.back();
+    finish(tables);
+}
+
 /// n triangles of one mesh whose vertices move independently.
 GeometryTables moving_soup(std::size_t n, float radius, float size, float way, std::vector<float> times,
                            Vec3f offset = {})
@@ -32,11 +42,7 @@ GeometryTables moving_soup(std::size_t n, float radius, float size, float way, s
         add_moving_triangle(tables, keys, a, b, c, random, way);
     }
     for (const auto& key : keys) tables.positions.insert(tables.positions.end(), key.begin(), key.end());
-    tables.shapes[0].moving_vertices = std::uint32_t(3 * n);
-    tables.vertex_times = times;
-    tables.shutter_open = times.front();
-    tables.shutter_close = times.back();
-    finish(tables);
+    finish_moving(tables, std::uint32_t(3 * n), times);
     return tables;
 }
 
@@ -70,11 +76,7 @@ GeometryTables moving_cloth(std::uint32_t n, std::vector<float> times)
             const std::uint32_t a = i * (n + 1) + j, b = a + n + 1;
             for (std::uint32_t v : {a, a + 1, b, b + 1, b, a + 1}) tables.triangles.push_back(v);
         }
-    tables.shapes[0].moving_vertices = (n + 1) * (n + 1);
-    tables.vertex_times = times;
-    tables.shutter_open = times.front();
-    tables.shutter_close = times.back();
-    finish(tables);
+    finish_moving(tables, (n + 1) * (n + 1), times);
     return tables;
 }
 
@@ -130,13 +132,7 @@ TEST(Motion, degenerate_and_not_finite)
 
 PoseRecord random_pose(Random& random, float time, double spread)
 {
-    PoseRecord pose;
-    pose.time = time;
-    const Vec3f p = random.point(60);
-    pose.translation[0] = p.x, pose.translation[1] = p.y, pose.translation[2] = p.z;
-    float length = 0;
-    for (float& q : pose.rotation) q = random.uniform(-1, 1), length += q * q;
-    for (float& q : pose.rotation) q /= std::sqrt(length);
+    PoseRecord pose = random_placement(random, time);
     const auto size = [&] { return float(10 * std::pow(spread, random.uniform(-1, 1))); };
     pose.stretch[0] = size(), pose.stretch[3] = size(), pose.stretch[5] = size();
     const float off = spread > 1 ? 0.2f * std::min({pose.stretch[0], pose.stretch[3], pose.stretch[5]}) : 0;

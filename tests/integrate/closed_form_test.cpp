@@ -198,9 +198,7 @@ TEST(ClosedForm, ChannelsOfTextures)
         m.opacity.mode = AlphaMode::blend;
         input(m) = textured ? FloatInput{0.8f, 0, channel} : FloatInput{0.8f * in_texture[channel], -1, 0};
         b.add(Rectangle{{-2, -2, 0}, {4, 0, 0}, {0, 4, 0}}, b.material(m));
-        Light light;
-        light.intensity = {50, 50, 50};
-        b.light(light, Transform::translate({2, 1, 2}));
+        b.point_light({50, 50, 50}, {2, 1, 2});
         b.camera({-2, -1, 2.2}, {0, 0, 0}, 20);
         return mean_of(render_film(b.scene, small_image_settings(16, 16), 16)).value[0];
     };

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "picture_helpers.h"
+#include "curve_scenes.h"
 
 // Tests of round glass curves: closed solids with an inside and an outside.
 namespace fathom {
@@ -28,30 +28,15 @@ Material glass(float ior)
     return m;
 }
 
-/// Clear glass loses and gains nothing: it is invisible in a white environment.
+/// Clear glass loses and gains nothing.
 TEST(HairLobes, ClearGlassInAWhiteSky)
 {
-    for (const CurveBasis basis :
-         {CurveBasis::linear, CurveBasis::bezier, CurveBasis::bspline, CurveBasis::catmull_rom})
+    for (const CurveBasis basis : curve_bases)
         for (int form = 0; form < 4; ++form) {
             const bool placed = form & 1, moving = form & 2;
-            SceneBuilder s;
-            s.scene.environment.kind = EnvironmentKind::constant;
             Curves curves = bent(basis);
-            if (moving) {
-                curves.motion = {{0, curves.points, curves.radii}, {1, curves.points, curves.radii}};
-                for (Vec3f& p : curves.motion[1].points) p = {p.x - 0.2f * p.z, p.y, p.z + 0.3f * p.y};
-            }
-            s.scene.curves.push_back(curves);
-            s.add(CurvesInstance{0}, s.material(glass(1.5f)));
-            if (placed) s.scene.nodes[0].parent_from_node = Transform::scale({1, -0.7, 1.3});
-            s.camera({0, 0.5, 5}, {0, 0, 0});
-            s.scene.cameras[0].shutter_close = 1;
-            RenderSettings settings = small_image_settings();
-            settings.max_depth = 1000;
-            settings.roulette_depth = 1000;
-            SCOPED_TRACE(testing::Message() << int(basis) << placed << moving);
-            expect_mean(render_film(s.scene, settings, 64), 1, 1e-3);
+            if (moving) shear_in_time(curves);
+            expect_invisible(curves, glass(1.5f), placed, 1000);
         }
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "picture_helpers.h"
+#include "curve_scenes.h"
 
 // Tests of hair: one scattering event covers reflection and transmission, whichever side the light leaves.
 namespace fathom {
@@ -16,20 +16,6 @@ Material hair(Color absorption)
     return m;
 }
 
-Curves bent(CurveBasis basis, bool ribbons)
-{
-    Curves curves;
-    curves.basis = basis;
-    curves.ribbons = ribbons;
-    for (int i = 0; i < 13; ++i) {
-        const float a = 0.7f * float(i);
-        curves.points.push_back({std::cos(a), 0.15f * float(i) - 1, std::sin(a)});
-        curves.radii.push_back(0.06f * (1 + 0.3f * float(i % 3)));
-    }
-    curves.counts = {13};
-    return curves;
-}
-
 Curves straight(bool ribbons)
 {
     Curves rod;
@@ -44,25 +30,12 @@ Curves straight(bool ribbons)
 /// White hair in a white environment is invisible, under any transform of the curves.
 TEST(Hair, WhiteInAWhiteSky)
 {
-    for (CurveBasis basis : {CurveBasis::linear, CurveBasis::bezier, CurveBasis::bspline, CurveBasis::catmull_rom})
+    for (const CurveBasis basis : curve_bases)
         for (int form = 0; form < 8; ++form) {
             const bool placed = form & 1, moving = form & 2, ribbons = form & 4;
-            SceneBuilder s;
-            s.scene.environment.kind = EnvironmentKind::constant;
-            Curves curves = bent(basis, ribbons);
-            if (moving) {
-                curves.motion = {{0, curves.points, curves.radii}, {1, curves.points, curves.radii}};
-                for (Vec3f& p : curves.motion[1].points) p = {p.x - 0.2f * p.z, p.y, p.z + 0.3f * p.y};
-            }
-            s.scene.curves.push_back(curves);
-            s.add(CurvesInstance{0}, s.material(hair({0, 0, 0})));
-            if (placed) s.scene.nodes[0].parent_from_node = Transform::scale({1, -0.7, 1.3});
-            s.camera({0, 0.5, 5}, {0, 0, 0});
-            s.scene.cameras[0].shutter_close = 1;
-            RenderSettings settings = small_image_settings();
-            settings.max_depth = settings.roulette_depth = 200;
-            SCOPED_TRACE(testing::Message() << int(basis) << placed << moving << ribbons);
-            expect_mean(render_film(s.scene, settings, 64), 1, 1e-3);
+            Curves curves = helix(basis, ribbons, 13, 0.06f);
+            if (moving) shear_in_time(curves);
+            expect_invisible(curves, hair({0, 0, 0}), placed, 200);
         }
 }
 

@@ -36,9 +36,7 @@ TEST(LightForms, PointsAreInvisibleInMirrors)
     m.roughness.value = 0;
     m.base_color.value = {0, 0, 0};
     b.add(Rectangle{{-4, 0, -4}, {0, 0, 8}, {8, 0, 0}}, b.material(m));
-    Light light;
-    light.intensity = {5, 5, 5};
-    b.light(light, Transform::translate({0, 2, 0}));
+    b.point_light({5, 5, 5}, {0, 2, 0});
     b.camera({0, 3, 0.5}, {0, 0, 0});
     const Mean mean = mean_of(render_film(b.scene, small_image_settings(), 16));
     for (const double value : mean.value) EXPECT_EQ(value, 0);

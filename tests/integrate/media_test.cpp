@@ -24,15 +24,20 @@ struct Layers {
     double through = 1, back = 0;
 
     /// Adds a boundary in front of the stack.
-    void boundary(double ior_a, double ior_b)
+    Layers& boundary(double ior_a, double ior_b)
     {
         const double root = (ior_a - ior_b) / (ior_a + ior_b), r = root * root;
         const double all = 1 / (1 - r * back);
         through *= (1 - r) * all;
         back = r + (1 - r) * (1 - r) * back * all;
+        return *this;
     }
     /// Adds an absorbing medium in front of the stack.
-    void way(double transmittance) { through *= transmittance, back *= transmittance * transmittance; }
+    Layers& way(double transmittance)
+    {
+        through *= transmittance, back *= transmittance * transmittance;
+        return *this;
+    }
 };
 
 /// Radiance of white light from behind that passes boxes at normal incidence.
@@ -58,41 +63,24 @@ TEST(Media, WaterInAGlass)
 {
     for (const bool in_tree : {false, true}) {
         // The water box overlaps the glass, whose higher priority displaces the water.
-        Layers overlapping;
-        overlapping.boundary(1.33, 1);
-        overlapping.way(0.8);
-        overlapping.boundary(1.6, 1.33);
-        overlapping.way(0.5);
-        overlapping.boundary(1, 1.6);
+        const Layers overlapping = Layers().boundary(1.33, 1).way(0.8).boundary(1.6, 1.33).way(0.5).boundary(1, 1.6);
         const std::pair<Box, Material> pane{layer(0, -1), glass(1.6, 0.5, 1)}, water{layer(-0.9, -2), glass(1.33, 0.8)};
         EXPECT_NEAR(classify_interface({pane, water}, in_tree), overlapping.through, 0.006);
         EXPECT_NEAR(classify_interface({water, pane}, in_tree), overlapping.through, 0.006);
         // With opposite priorities the glass ends where the water begins.
-        Layers shorter;
-        shorter.boundary(1.33, 1);
-        shorter.way(0.8 * std::pow(0.8, 0.1));
-        shorter.boundary(1.6, 1.33);
-        shorter.way(std::pow(0.5, 0.9));
-        shorter.boundary(1, 1.6);
+        const double by_water = 0.8 * std::pow(0.8, 0.1), by_glass = std::pow(0.5, 0.9);
+        const Layers shorter =
+            Layers().boundary(1.33, 1).way(by_water).boundary(1.6, 1.33).way(by_glass).boundary(1, 1.6);
         EXPECT_NEAR(
             classify_interface({{layer(0, -1), glass(1.6, 0.5)}, {layer(-0.9, -2), glass(1.33, 0.8, 1)}}, in_tree),
             shorter.through, 0.006);
         // If boxes are nested without priorities, the inner medium applies.
-        Layers inside;
-        inside.boundary(1.6, 1);
-        inside.way(0.5);
-        inside.boundary(1.0, 1.6);
-        inside.way(1);
-        inside.boundary(1.6, 1.0);
-        inside.way(0.5);
-        inside.boundary(1, 1.6);
+        const Layers inside =
+            Layers().boundary(1.6, 1).way(0.5).boundary(1, 1.6).way(1).boundary(1.6, 1).way(0.5).boundary(1, 1.6);
         EXPECT_NEAR(classify_interface({{layer(0, -3), glass(1.6, 0.5)}, {layer(-1, -2), glass(1)}}, in_tree),
                     inside.through, 0.006);
         // Overlapping boxes of the same glass act as one box.
-        Layers one;
-        one.boundary(1.6, 1);
-        one.way(std::pow(0.5, 2.5));
-        one.boundary(1, 1.6);
+        const Layers one = Layers().boundary(1.6, 1).way(std::pow(0.5, 2.5)).boundary(1, 1.6);
         EXPECT_NEAR(
             classify_interface({{layer(0, -1.5), glass(1.6, 0.5)}, {layer(-1, -2.5), glass(1.6, 0.5)}}, in_tree),
             one.through, 0.006);
@@ -176,9 +164,7 @@ TEST(Media, ShadowRaysAndCamerasInsideColoredGlass)
         b.add(Rectangle{{-50, 0, 50}, {100, 0, 0}, {0, 0, -100}}, b.diffuse(0.5f));
         if (in_tree)
             for (int i = 0; i < 100; ++i) b.add(Sphere{{-60.0 + i, -10, 5}, 0.1, {}}, b.diffuse(0));
-        Light light;
-        light.intensity = {7, 7, 7};
-        b.light(light, Transform::translate({0, 3, 0}));
+        b.point_light({7, 7, 7}, {0, 3, 0});
         b.camera({0, 1, 0}, {0, 0, 0}, 0.1);
         RenderSettings settings = small_image_settings(16, 16);
         settings.max_depth = 1;

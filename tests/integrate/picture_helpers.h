@@ -56,6 +56,12 @@ struct SceneBuilder {
         scene.nodes[0].camera = int(scene.cameras.size()) - 1;
     }
     void light(const Light& l, const Transform& place) { add_light(scene, l, place); }
+    void point_light(Color intensity, Vec3d position)
+    {
+        Light l;
+        l.intensity = intensity;
+        light(l, Transform::translate(position));
+    }
 };
 
 /// An environment of the same radiance in all directions.

@@ -131,9 +131,7 @@ TEST(SeeThrough, LampBehindPanes)
         b.add(Rectangle{{-50, 1, -50}, {0, 0, 100}, {100, 0, 0}}, glass);
         b.add(Rectangle{{-50, 1.5, -50}, {0, 0, 100}, {100, 0, 0}}, glass);
         b.add(Rectangle{{-50, 0, -50}, {0, 0, 100}, {100, 0, 0}}, b.diffuse(0.5f));
-        Light lamp;
-        lamp.intensity = {10, 10, 10};
-        b.light(lamp, Transform::translate({3, 4, 0}));
+        b.point_light({10, 10, 10}, {3, 4, 0});
         // The camera is below the panes.
         b.camera({0, 0.9, 0.1}, {0, 0, 0}, 0.01);
         RenderSettings settings = small_image_settings(4, 4);
@@ -163,9 +161,7 @@ TEST(SeeThrough, LampWithinGlassBesideAPane)
         b.add(Box{{-30, -1, -30}, {30, 3, 30}}, b.material(glass));
         b.add(Rectangle{{-20, 0, -20}, {0, 0, 40}, {40, 0, 0}}, b.diffuse(0.5f));
         if (beside) b.add(Rectangle{{50, 0, -5}, {0, 10, 0}, {0, 0, 10}}, b.material(pane(1.5f)));
-        Light lamp;
-        lamp.intensity = {10, 10, 10};
-        b.light(lamp, Transform::translate({1.5, 2, 0}));
+        b.point_light({10, 10, 10}, {1.5, 2, 0});
         b.camera({0, 2.5, 0}, {0, 0, 0}, 0.01);
         RenderSettings settings = small_image_settings(4, 4);
         settings.max_depth = 1;

@@ -66,6 +66,21 @@ TEST(ShadingNormal, SmoothBallsOfFewTrianglesHaveNoBlackRim)
         }
 }
 
+/// A white material whose normal map alternates between two colors.
+Material with_waves(SceneBuilder& b, TextureKind pattern, float scale, Color low, Color high)
+{
+    Texture waves;
+    waves.kind = pattern;
+    waves.scale = scale;
+    waves.color_a.value = low;
+    waves.color_b.value = high;
+    b.scene.textures.push_back(waves);
+    Material m;
+    m.base_color.value = {1, 1, 1};
+    m.normal_map.texture = int(b.scene.textures.size()) - 1;
+    return m;
+}
+
 /// A mirror, a rough metal and glass with steep waves that turn normals by up to 60 degrees.
 TEST(ShadingNormal, StrongNormalMapsLeaveNoHoles)
 {
@@ -79,19 +94,11 @@ TEST(ShadingNormal, StrongNormalMapsLeaveNoHoles)
                           Case{MaterialKind::principled, 0.3f, 0.4, 0.42},
                           Case{MaterialKind::fuzz_metal, 0, 0.999, 1e-4}, Case{MaterialKind::glass, 0, 0.9, 0.01}}) {
         SceneBuilder b;
-        Texture waves;
-        waves.kind = TextureKind::checker_uv;
-        waves.scale = 40;
-        waves.color_a.value = {0.93f, 0.5f, 0.75f};
-        waves.color_b.value = {0.2f, 0.15f, 0.75f};
-        b.scene.textures.push_back(waves);
-        Material m;
+        Material m = with_waves(b, TextureKind::checker_uv, 40, {0.93f, 0.5f, 0.75f}, {0.2f, 0.15f, 0.75f});
         m.kind = c.kind;
         m.roughness.value = c.roughness;
         m.metallic.value = 1;
-        m.base_color.value = {1, 1, 1};
         m.fuzz = 0;
-        m.normal_map.texture = 0;
         b.add(Box{{-20, -0.5, -20}, {20, 0, 20}}, b.material(m));
         b.scene.environment = uniform_sky();
         for (const double height : {0.3, 1.0, 4.0}) {
@@ -110,16 +117,8 @@ TEST(ShadingNormal, ClosedRoomsAreDark)
 {
     for (const MaterialKind kind : {MaterialKind::metal, MaterialKind::principled}) {
         SceneBuilder b;
-        Texture waves;
-        waves.kind = TextureKind::noise;
-        waves.scale = 7;
-        waves.color_a.value = {0, 0, 0.5f};
-        waves.color_b.value = {1, 1, 0.6f};
-        b.scene.textures.push_back(waves);
-        Material m;
+        Material m = with_waves(b, TextureKind::noise, 7, {0, 0, 0.5f}, {1, 1, 0.6f});
         m.kind = kind;
-        m.base_color.value = {1, 1, 1};
-        m.normal_map.texture = 0;
         b.add(Box{{-1, -1, -1}, {1, 1, 1}}, b.material(m));
         b.scene.environment = uniform_sky();
         b.camera({0.1, 0.2, 0.3}, {0.9, 0.8, -0.7}, 100);

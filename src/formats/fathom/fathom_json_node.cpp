@@ -95,18 +95,12 @@ int FathomJsonReader::add_node(const JsonValue& v, const std::string& name, int 
 
 void FathomJsonReader::read_motion(const JsonValue& v, Node& node)
 {
-    v.array(2);
-    for (std::size_t i = 0; i < v.size(); ++i) {
-        const JsonValue value = v[i];
-        JsonObject o(value);
-        NodeKey key;
-        key.time = read_key_time(o, node.motion);
+    read_motion_keys(v, "a node's", node.motion, [&](JsonObject& o, NodeKey& key) {
         if (auto t = o.get("transform")) key.parent_from_node = transform(*t);
-        if (i > 0 && (key.parent_from_node.determinant() < 0) != (node.motion[0].parent_from_node.determinant() < 0))
-            value.fail("only one of this key and the first key mirrors: in between, the node would be flat");
-        o.done("in a key of a node's motion");
-        node.motion.push_back(key);
-    }
+        if (!node.motion.empty() &&
+            (key.parent_from_node.determinant() < 0) != (node.motion[0].parent_from_node.determinant() < 0))
+            o.value().fail("only one of this key and the first key mirrors: in between, the node would be flat");
+    });
     node.parent_from_node = node.motion.front().parent_from_node;
 }
 

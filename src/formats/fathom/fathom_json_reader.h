@@ -21,14 +21,23 @@ struct LightKindInfo;
 /// Reads {"axis": [x, y, z], "angle_deg": a} as a right-handed rotation.
 Transform read_rotation(const JsonValue& v);
 
-/// Reads the time of a motion key, which must be later than those of the earlier keys.
-template <class Key>
-double read_key_time(JsonObject& key, const std::vector<Key>& earlier)
+/// Reads two or more motion keys with increasing times. read_rest(object, key) reads the other members of a key;
+/// `owner` names what moves, in messages.
+template <class Key, class F>
+void read_motion_keys(const JsonValue& v, const char* owner, std::vector<Key>& motion, const F& read_rest)
 {
-    const JsonValue value = key.require("time");
-    const double time = value.number();
-    if (!earlier.empty() && !(earlier.back().time < time)) value.fail("times must increase");
-    return time;
+    v.array(2);
+    for (std::size_t i = 0; i < v.size(); ++i) {
+        const JsonValue value = v[i];
+        JsonObject o(value);
+        const JsonValue time = o.require("time");
+        Key key;
+        key.time = time.number();
+        if (!motion.empty() && !(motion.back().time < key.time)) time.fail("times must increase");
+        read_rest(o, key);
+        o.done(("in a key of " + std::string(owner) + " motion").c_str());
+        motion.push_back(std::move(key));
+    }
 }
 
 /// The reader of Fathom's own scene format. Names are resolved to indices, and things referred to by name are read on

@@ -152,13 +152,9 @@ std::optional<PlyData> FathomJsonReader::read_data_file(JsonObject& o)
 
 void FathomJsonReader::read_mesh_motion(const JsonValue& v, Mesh& mesh)
 {
-    v.array(2);
     const std::size_t vertices = mesh.positions.size();
-    for (std::size_t i = 0; i < v.size(); ++i) {
-        const JsonValue value = v[i];
-        JsonObject o(value);
-        MeshKey key;
-        key.time = read_key_time(o, mesh.motion);
+    read_motion_keys(v, "a mesh's", mesh.motion, [&](JsonObject& o, MeshKey& key) {
+        const JsonValue& value = o.value();
         if (auto file = read_data_file(o)) {
             if (file->mesh.positions.size() != vertices)
                 value["file"].fail(
@@ -174,9 +170,7 @@ void FathomJsonReader::read_mesh_motion(const JsonValue& v, Mesh& mesh)
             value.fail("needs 'normals', since the mesh has them");
         if (key.positions.empty()) key.positions = mesh.positions;
         if (key.normals.empty()) key.normals = mesh.normals;
-        o.done("in a key of a mesh's motion");
-        mesh.motion.push_back(std::move(key));
-    }
+    });
 }
 
 namespace {
@@ -250,16 +244,11 @@ void read_points(JsonObject& o, Points& points)
 
 void FathomJsonReader::read_curves_motion(const JsonValue& v, Curves& curves)
 {
-    v.array(2);
-    for (std::size_t i = 0; i < v.size(); ++i) {
-        const JsonValue value = v[i];
-        JsonObject o(value);
-        CurvesKey key;
-        key.time = read_key_time(o, curves.motion);
+    read_motion_keys(v, "curves'", curves.motion, [&](JsonObject& o, CurvesKey& key) {
         if (auto file = read_data_file(o)) {
             if (file->mesh.positions.size() != curves.points.size())
-                value["file"].fail(fmt::format("has {} vertices, but the curves have {} points",
-                                               file->mesh.positions.size(), curves.points.size()));
+                o.value()["file"].fail(fmt::format("has {} vertices, but the curves have {} points",
+                                                   file->mesh.positions.size(), curves.points.size()));
             key.points = std::move(file->mesh.positions);
             key.radii = std::move(file->radii);
         } else if (auto all = o.get("curves")) {
@@ -268,9 +257,7 @@ void FathomJsonReader::read_curves_motion(const JsonValue& v, Curves& curves)
             key.points = curves.points;
         }
         if (key.radii.empty()) key.radii = curves.radii;
-        o.done("in a key of curves' motion");
-        curves.motion.push_back(std::move(key));
-    }
+    });
 }
 
 Transform read_rotation(const JsonValue& v)

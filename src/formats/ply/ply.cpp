@@ -192,31 +192,13 @@ private:
             for (std::size_t i = 0; i < count; ++i) std::memcpy(t.data + i * t.stride, p + i * stride, sizeof(float));
             return;
         }
-        const auto run = [&]<class T>() {
+        visit_type(type, [&]<class T>() {
             for (std::size_t i = 0; i < count; ++i, p += stride) {
                 T value;
                 std::memcpy(&value, p, sizeof value);
                 store(t, i, double(value), type);
             }
-        };
-        switch (type) {
-            case PlyType::i8:
-                return run.operator()<std::int8_t>();
-            case PlyType::u8:
-                return run.operator()<std::uint8_t>();
-            case PlyType::i16:
-                return run.operator()<std::int16_t>();
-            case PlyType::u16:
-                return run.operator()<std::uint16_t>();
-            case PlyType::i32:
-                return run.operator()<std::int32_t>();
-            case PlyType::u32:
-                return run.operator()<std::uint32_t>();
-            case PlyType::f32:
-                return run.operator()<float>();
-            case PlyType::f64:
-                return run.operator()<double>();
-        }
+        });
     }
 
     void read_faces(const PlyElement& element)

@@ -37,24 +37,7 @@ public:
             return scan_.to_number(word);
         }
         const char* p = take(size_of(type));
-        switch (type) {
-            case PlyType::i8:
-                return load<std::int8_t>(p);
-            case PlyType::u8:
-                return load<std::uint8_t>(p);
-            case PlyType::i16:
-                return load<std::int16_t>(p);
-            case PlyType::u16:
-                return load<std::uint16_t>(p);
-            case PlyType::i32:
-                return load<std::int32_t>(p);
-            case PlyType::u32:
-                return load<std::uint32_t>(p);
-            case PlyType::f32:
-                return load<float>(p);
-            default:
-                return load<double>(p);
-        }
+        return visit_type(type, [&]<class T>() { return double(load<T>(p)); });
     }
     std::size_t list_length(PlyType type)
     {

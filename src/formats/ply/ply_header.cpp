@@ -76,22 +76,6 @@ std::string_view header_text(const std::string& file, InputWindow& window)
 
 }  // namespace
 
-std::size_t size_of(PlyType type)
-{
-    switch (type) {
-        case PlyType::i8:
-        case PlyType::u8:
-            return 1;
-        case PlyType::i16:
-        case PlyType::u16:
-            return 2;
-        case PlyType::f64:
-            return 8;
-        default:
-            return 4;
-    }
-}
-
 std::size_t PlyElement::min_size() const
 {
     std::size_t size = 0;

@@ -12,8 +12,35 @@ namespace fathom {
 enum class PlyType { i8, u8, i16, u16, i32, u32, f32, f64 };
 enum class PlyFormat { ascii, little_endian, big_endian };
 
+/// Calls f.template operator()<T>() with the C++ type of a PLY type, and returns the result.
+template <class F>
+decltype(auto) visit_type(PlyType type, F&& f)
+{
+    switch (type) {
+        case PlyType::i8:
+            return f.template operator()<std::int8_t>();
+        case PlyType::u8:
+            return f.template operator()<std::uint8_t>();
+        case PlyType::i16:
+            return f.template operator()<std::int16_t>();
+        case PlyType::u16:
+            return f.template operator()<std::uint16_t>();
+        case PlyType::i32:
+            return f.template operator()<std::int32_t>();
+        case PlyType::u32:
+            return f.template operator()<std::uint32_t>();
+        case PlyType::f32:
+            return f.template operator()<float>();
+        default:
+            return f.template operator()<double>();
+    }
+}
+
 /// Size of a number in a binary file, in bytes.
-std::size_t size_of(PlyType type);
+inline std::size_t size_of(PlyType type)
+{
+    return visit_type(type, []<class T>() { return sizeof(T); });
+}
 
 /// A property of an element: a number or a list of numbers.
 struct PlyProperty {

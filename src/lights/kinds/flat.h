@@ -7,115 +7,82 @@ inline namespace FATHOM_LANES {
 
 namespace detail {
 
-/// Transforms a light that is spanned by two edges. share: its area relative to that of the parallelogram.
-template <class Record, class Moving>
-void place_edges(Moving& light, const LightPlace& at, Float share, Mask m)
-{
-    const Vec3 u = at.to_render.vector(light.get(&Record::edge_u)), v = at.to_render.vector(light.get(&Record::edge_v)),
-               n = cross(u, v);
-    light.set(&Record::corner, at.to_render.point(light.get(&Record::corner)), m);
-    light.set(&Record::edge_u, u, m);
-    light.set(&Record::edge_v, v, m);
-    light.set(&FlatLightRecord::area, sqrt(dot(n, n)) * share, m);
-    place_normal(light, at, m);
-}
+/// Base of flat lights that are sampled uniformly by area. Points::at(light, random): a point of the light.
+template <class Own, class Points>
+struct FlatLight {
+    using Record = Own;
+
+    template <class Light>
+    static LightPoint sample(const Light& light, Vec3 p, Float, Sample2 random, Mask)
+    {
+        return FlatLightPoint(Points::at(light, random) - p, light);
+    }
+    template <class Light>
+    static EmittedRay emit(const Light& light, Float, Sample2 position, Sample2 direction)
+    {
+        return emit_from_flat(light, Points::at(light, position), direction);
+    }
+    template <class Light>
+    static Float emission_density(const Light& light, const Vec3&, Float)
+    {
+        return flat_emission_density(light);
+    }
+};
+
+/// Base of flat lights that are spanned by two edges. `parts` of them fill the parallelogram.
+template <class Own, class Points, int parts>
+struct EdgesLight : FlatLight<Own, Points> {
+    template <class Moving>
+    static void place(Moving& light, const LightPlace& at, Mask m)
+    {
+        const Vec3 u = at.to_render.vector(light.get(&Own::edge_u)), v = at.to_render.vector(light.get(&Own::edge_v)),
+                   n = cross(u, v);
+        light.set(&Own::corner, at.to_render.point(light.get(&Own::corner)), m);
+        light.set(&Own::edge_u, u, m);
+        light.set(&Own::edge_v, v, m);
+        light.set(&FlatLightRecord::area, sqrt(dot(n, n)) * Float(1.0f / parts), m);
+        place_normal(light, at, m);
+    }
+    template <class Light>
+    static Vec3 point(const Light& light, Float u, Float v)
+    {
+        return fma(light.get(&Own::edge_u), u, fma(light.get(&Own::edge_v), v, light.get(&Own::corner)));
+    }
+};
 
 }  // namespace detail
 
 /// Parallelogram light, sampled uniformly by area.
-struct ParallelogramLight {
-    using Record = ParallelogramLightRecord;
-
+struct ParallelogramLight : detail::EdgesLight<ParallelogramLightRecord, ParallelogramLight, 1> {
     template <class Light>
-    static LightPoint sample(const Light& light, Vec3 p, Float, Sample2 random, Mask)
+    static Vec3 at(const Light& light, Sample2 random)
     {
-        return detail::FlatLightPoint(point(light, random) - p, light);
-    }
-
-    template <class Light>
-    static EmittedRay emit(const Light& light, Float, Sample2 position, Sample2 direction)
-    {
-        return detail::emit_from_flat(light, point(light, position), direction);
-    }
-    template <class Light>
-    static Float emission_density(const Light& light, const Vec3&, Float)
-    {
-        return detail::flat_emission_density(light);
-    }
-
-    template <class Moving>
-    static void place(Moving& light, const LightPlace& at, Mask m)
-    {
-        detail::place_edges<Record>(light, at, Float(1), m);
-    }
-
-private:
-    template <class Light>
-    static Vec3 point(const Light& light, Sample2 random)
-    {
-        return fma(light.get(&Record::edge_u), random.x,
-                   fma(light.get(&Record::edge_v), random.y, light.get(&Record::corner)));
+        return point(light, random.x, random.y);
     }
 };
 
 /// Triangle light, sampled uniformly by area.
-struct TriangleLight {
-    using Record = TriangleLightRecord;
-
+struct TriangleLight : detail::EdgesLight<TriangleLightRecord, TriangleLight, 2> {
+    /// The map from the square is that of Heitz 2019, "A Low-Distortion Map Between Triangle and Square".
     template <class Light>
-    static LightPoint sample(const Light& light, Vec3 p, Float, Sample2 random, Mask)
-    {
-        return detail::FlatLightPoint(point(light, random) - p, light);
-    }
-
-    template <class Light>
-    static EmittedRay emit(const Light& light, Float, Sample2 position, Sample2 direction)
-    {
-        return detail::emit_from_flat(light, point(light, position), direction);
-    }
-    template <class Light>
-    static Float emission_density(const Light& light, const Vec3&, Float)
-    {
-        return detail::flat_emission_density(light);
-    }
-
-    template <class Moving>
-    static void place(Moving& light, const LightPlace& at, Mask m)
-    {
-        detail::place_edges<Record>(light, at, Float(0.5f), m);
-    }
-
-private:
-    /// Heitz 2019, "A Low-Distortion Map Between Triangle and Square".
-    template <class Light>
-    static Vec3 point(const Light& light, Sample2 random)
+    static Vec3 at(const Light& light, Sample2 random)
     {
         const Mask upper = random.y > random.x;
         const Float half = Float(0.5f) * select(upper, random.x, random.y);
         const Float u = select(upper, half, random.x - half), v = select(upper, random.y - half, half);
-        return fma(light.get(&Record::edge_u), u, fma(light.get(&Record::edge_v), v, light.get(&Record::corner)));
+        return point(light, u, v);
     }
 };
 
 /// Disk light, sampled uniformly by area.
-struct DiskLight {
-    using Record = DiskLightRecord;
-
+struct DiskLight : detail::FlatLight<DiskLightRecord, DiskLight> {
     template <class Light>
-    static LightPoint sample(const Light& light, Vec3 p, Float, Sample2 random, Mask)
+    static Vec3 at(const Light& light, Sample2 random)
     {
-        return detail::FlatLightPoint(point(light, random) - p, light);
-    }
-
-    template <class Light>
-    static EmittedRay emit(const Light& light, Float, Sample2 position, Sample2 direction)
-    {
-        return detail::emit_from_flat(light, point(light, position), direction);
-    }
-    template <class Light>
-    static Float emission_density(const Light& light, const Vec3&, Float)
-    {
-        return detail::flat_emission_density(light);
+        const DiskPoint d = sample_disk(random);
+        const Frame frame(light.get(&FlatLightRecord::normal));
+        const Float radius = light.get(&Record::radius);
+        return fma(frame.s, d.x * radius, fma(frame.t, d.y * radius, light.get(&Record::center)));
     }
 
     /// Disks are lights only under similarities, which keep their shape.
@@ -128,16 +95,6 @@ struct DiskLight {
         light.set(&Record::radius, light.get(&Record::radius) * sqrt(factor2), m);
         light.set(&FlatLightRecord::area, light.get(&FlatLightRecord::area) * factor2, m);
         detail::place_normal(light, at, m);
-    }
-
-private:
-    template <class Light>
-    static Vec3 point(const Light& light, Sample2 random)
-    {
-        const DiskPoint d = sample_disk(random);
-        const Frame frame(light.get(&FlatLightRecord::normal));
-        const Float radius = light.get(&Record::radius);
-        return fma(frame.s, d.x * radius, fma(frame.t, d.y * radius, light.get(&Record::center)));
     }
 };
 

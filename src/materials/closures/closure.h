@@ -3,17 +3,7 @@
 /// Interface of closures (BSDFs). Directions are in the frame of the shading normal, unit, pointing away from the
 /// surface. wo.z > 0: frames are flipped to the side that the path is on.
 ///
-/// A closure is a class with
-///     static constexpr ClosureKind kind      the kind of its materials
-///     static constexpr bool transmits        whether light passes to the other side
-///     static constexpr bool is_glossy        whether most energy goes in or near the mirror direction, so that shading
-///                                            normals must not put that direction below the surface
-///     using Point                            its parameters: a type derived from MaterialPoint. Point::Record is the
-///                                            record that MaterialRecord keeps (closures/records.h), and Point::read
-///                                            takes a ParameterReader of it
-///     static constexpr bool is_guided        whether path guiding may sample directions too (see guiding/)
-///     static constexpr bool is_fiber         whether the frame's x is along a hair fiber, and HairPoint::across
-///                                            is read
+/// A closure is a class derived from ClosureOf, whose properties it overrides where they differ, with
 ///     explicit Closure(const Point&)
 ///     BsdfEval eval(wo, wi)                  f_cos and the solid angle density of sampling wi
 ///     BsdfEval eval(wo, wi, without_mirrors) optional, where smooth facets are approximated by narrow lobes: in lanes
@@ -22,7 +12,6 @@
 ///     BsdfSample sample(wo, u, u1)           a direction with its weight, f_cos / pdf
 ///     Float guided_weight()                  if is_guided: how useful guided directions are, 0 to 1; small where most
 ///                                            energy goes into a narrow lobe, 0 where there are delta lobes
-///     Mask has_non_delta()                   lanes with lobes other than delta lobes, for which lights are sampled
 /// Delta lobes have a weight, but neither f_cos nor pdf.
 #include <type_traits>
 
@@ -48,6 +37,24 @@ struct BsdfSample {
     Float eta;  ///< refraction: index beyond the boundary over index before it; 1 for reflection
     Mask enters_subsurface = Mask(false);  ///< lanes that entered the subsurface medium; treated as a delta lobe, since
                                            ///< lights are not sampled for it
+};
+
+/// Base of a closure for materials of kind k, with the properties of most closures. P: its parameters, a type derived
+/// from MaterialPoint. P::Record is the record that MaterialRecord keeps (closures/records.h), and P::read takes a
+/// ParameterReader of it.
+template <ClosureKind k, class P>
+struct ClosureOf {
+    static constexpr ClosureKind kind = k;
+    using Point = P;
+    static constexpr bool transmits = false;  ///< whether light passes to the other side
+    static constexpr bool is_glossy = true;   ///< whether most energy goes in or near the mirror direction, so that
+                                              ///< shading normals must not put that direction below the surface
+    static constexpr bool is_guided = false;  ///< whether path guiding may sample directions too (see guiding/)
+    static constexpr bool is_fiber = false;   ///< whether the frame's x is along a hair fiber, and HairPoint::across is
+                                              ///< read
+
+    /// Lanes with lobes other than delta lobes, for which lights are sampled.
+    Mask has_non_delta() const { return Mask(true); }
 };
 
 /// Parameters of LayeredBsdf beyond those of MaterialPoint, with textures applied: see LayersRecord, and Material in

@@ -7,20 +7,15 @@ inline namespace FATHOM_LANES {
 
 /// Lambertian reflection, or for roughness > 0 the energy-preserving Oren-Nayar model of Portsmouth, Kutz and Hill 2024
 /// ("EON"), whose multiple-scattering term restores the energy that single scattering loses. Sampled by the cosine.
-class DiffuseBsdf {
+class DiffuseBsdf : public ClosureOf<ClosureKind::diffuse, RoughPoint> {
 public:
-    static constexpr ClosureKind kind = ClosureKind::diffuse;
-    static constexpr bool transmits = false;
     static constexpr bool is_glossy = false;
-    using Point = RoughPoint;
     static constexpr bool is_guided = true;
-    static constexpr bool is_fiber = false;
 
     explicit DiffuseBsdf(const RoughPoint& m) : color_(m.base_color), r_(m.roughness)
     {
         is_rough_ = any(r_ > Float(0));
     }
-    Mask has_non_delta() const { return Mask(true); }
     Float guided_weight() const { return Float(1); }
     BsdfEval eval(Vec3 wo, Vec3 wi) const
     {

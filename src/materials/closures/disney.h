@@ -16,14 +16,11 @@ inline namespace FATHOM_LANES {
 ///
 /// passes  whether any lobe transmits
 template <bool passes>
-class DisneyBsdf {
+class DisneyBsdf
+    : public ClosureOf<passes ? ClosureKind::disney_transmitting : ClosureKind::disney, DisneyMaterialPoint> {
 public:
-    static constexpr ClosureKind kind = passes ? ClosureKind::disney_transmitting : ClosureKind::disney;
     static constexpr bool transmits = passes;
-    static constexpr bool is_glossy = true;
-    using Point = DisneyMaterialPoint;
     static constexpr bool is_guided = !passes;
-    static constexpr bool is_fiber = false;
 
     explicit DisneyBsdf(const DisneyMaterialPoint& m)
         : d_(m.disney),
@@ -57,7 +54,6 @@ public:
             through_.c[i] = select(thin_, color_.c[i], sqrt(max(color_.c[i], Float(0)))) * refracted_;
         }
     }
-    Mask has_non_delta() const { return Mask(true); }
     Float guided_weight() const { return fma(metallic_, min(Float(2) * roughness_, Float(1)) - Float(1), Float(1)); }
     BsdfEval eval(Vec3 wo, Vec3 wi, Mask without_mirrors = Mask(false)) const
     {

@@ -19,15 +19,8 @@ struct FuzzMetalPoint : MaterialPoint {
 /// The density has a closed form: along wi, the integral of r^2 over the part of the ray that lies in the ball of
 /// radius fuzz about the mirror direction, divided by the ball's volume. Therefore lights can be sampled, without
 /// changing the look of the original.
-class FuzzMetalBsdf {
+class FuzzMetalBsdf : public ClosureOf<ClosureKind::fuzz_metal, FuzzMetalPoint> {
 public:
-    static constexpr ClosureKind kind = ClosureKind::fuzz_metal;
-    static constexpr bool transmits = false;
-    static constexpr bool is_glossy = true;
-    using Point = FuzzMetalPoint;
-    static constexpr bool is_guided = false;
-    static constexpr bool is_fiber = false;
-
     explicit FuzzMetalBsdf(const FuzzMetalPoint& m) : color_(m.base_color), fuzz_(clamp(m.fuzz, Float(0), Float(1)))
     {
         is_mirror_ = fuzz_ < Float(1e-3f);

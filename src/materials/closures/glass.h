@@ -41,14 +41,9 @@ inline Vec3 refract(Vec3 wo, Vec3 h, Float cos_o, Float cos_t, Float eta)
 ///
 /// With energy compensation, reflection and refraction are both divided by their joint directional albedo, so that
 /// multiple scattering between facets loses no energy (Turquin 2019). The closure is not reciprocal then.
-class GlassBsdf {
+class GlassBsdf : public ClosureOf<ClosureKind::glass, GlassPoint> {
 public:
-    static constexpr ClosureKind kind = ClosureKind::glass;
     static constexpr bool transmits = true;
-    static constexpr bool is_glossy = true;
-    using Point = GlassPoint;
-    static constexpr bool is_guided = false;
-    static constexpr bool is_fiber = false;
 
     explicit GlassBsdf(const GlassPoint& m)
         : roughness_(sampled_roughness(m)),

@@ -34,13 +34,10 @@ struct HairPoint : MaterialPoint {
 /// The frame's x is along the fiber, its y across it as seen by the path; `across` is measured along y. Angle theta is
 /// measured from the plane across the fiber, phi around the fiber from y to z, gamma from the cylinder's normal to the
 /// path.
-class HairBsdf {
+class HairBsdf : public ClosureOf<ClosureKind::hair, HairPoint> {
 public:
-    static constexpr ClosureKind kind = ClosureKind::hair;
     static constexpr bool transmits = true;
     static constexpr bool is_glossy = false;
-    using Point = HairPoint;
-    static constexpr bool is_guided = false;
     static constexpr bool is_fiber = true;
 
     explicit HairBsdf(const HairPoint& m)
@@ -67,7 +64,6 @@ public:
         constexpr float turns[] = {-2, 1, 4, 0};
         for (int p = 0; p < lobes; ++p) tilt_[p] = sincos_2pi(m.scale_tilt * Float(turns[p] * 0.5f * inv_pi));
     }
-    Mask has_non_delta() const { return Mask(true); }
     BsdfEval eval(Vec3 wo, Vec3 wi) const { return evaluate(Path(*this, wo), wi); }
     BsdfSample sample(Vec3 wo, Sample2 u, Float u1) const
     {

@@ -20,14 +20,11 @@ inline namespace FATHOM_LANES {
 ///
 /// passes  whether any lobe transmits; only then is the code of transmission compiled
 template <bool passes>
-class LayeredBsdf {
+class LayeredBsdf
+    : public ClosureOf<passes ? ClosureKind::layered_transmitting : ClosureKind::layered, LayeredMaterialPoint> {
 public:
-    static constexpr ClosureKind kind = passes ? ClosureKind::layered_transmitting : ClosureKind::layered;
     static constexpr bool transmits = passes;
-    static constexpr bool is_glossy = true;
-    using Point = LayeredMaterialPoint;
     static constexpr bool is_guided = !passes;
-    static constexpr bool is_fiber = false;
 
     explicit LayeredBsdf(const LayeredMaterialPoint& m)
         : l_(m.layers), color_(m.base_color), metallic_(m.metallic), thin_(m.thin)
@@ -74,7 +71,6 @@ public:
             }
         }
     }
-    Mask has_non_delta() const { return Mask(true); }
     Float guided_weight() const
     {
         return fma(metallic_, min(Float(2) * mean_roughness_, Float(1)) - Float(1), Float(1));

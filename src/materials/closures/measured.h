@@ -12,15 +12,8 @@ inline namespace FATHOM_LANES {
 /// (luminance). Tables are interpolated linearly, over the square and between measured directions.
 ///
 /// The direction that selects tables is wo, as in pbrt and Mitsuba.
-class MeasuredBsdf {
+class MeasuredBsdf : public ClosureOf<ClosureKind::measured, MeasuredMaterialPoint> {
 public:
-    static constexpr ClosureKind kind = ClosureKind::measured;
-    static constexpr bool transmits = false;
-    static constexpr bool is_glossy = true;
-    using Point = MeasuredMaterialPoint;
-    static constexpr bool is_guided = false;
-    static constexpr bool is_fiber = false;
-
     explicit MeasuredBsdf(const MeasuredMaterialPoint& m) : d_(m.measured)
     {
         const Float length2 = fma(d_.tangent.x, d_.tangent.x, d_.tangent.y * d_.tangent.y);
@@ -29,7 +22,6 @@ public:
         cos_ = select(known, d_.tangent.x * inverse, Float(1));
         sin_ = select(known, d_.tangent.y * inverse, Float(0));
     }
-    Mask has_non_delta() const { return Mask(true); }
 
     BsdfEval eval(Vec3 wo, Vec3 wi) const
     {

@@ -15,14 +15,9 @@ struct MetalPoint : FacetsPoint {
 
 /// A conductor: GGX microfacets with Schlick's reflectance, scaled to compensate for multiple scattering (Turquin 2019,
 /// "Practical multiple scattering compensation for microfacet models"). It is a mirror if alpha is below min_alpha.
-class MetalBsdf {
+class MetalBsdf : public ClosureOf<ClosureKind::metal, MetalPoint> {
 public:
-    static constexpr ClosureKind kind = ClosureKind::metal;
-    static constexpr bool transmits = false;
-    static constexpr bool is_glossy = true;
-    using Point = MetalPoint;
     static constexpr bool is_guided = true;
-    static constexpr bool is_fiber = false;
 
     explicit MetalBsdf(const MetalPoint& m)
         : color_(m.base_color),

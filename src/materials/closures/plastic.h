@@ -41,14 +41,9 @@ struct PlasticPoint : FacetsPoint {
 ///
 /// A gray layer between boundary and body absorbs along the directions that a smooth boundary refracts to, and absorbs
 /// the fraction `internal_absorption` of internally reflected light.
-class PlasticBsdf {
+class PlasticBsdf : public ClosureOf<ClosureKind::plastic, PlasticPoint> {
 public:
-    static constexpr ClosureKind kind = ClosureKind::plastic;
-    static constexpr bool transmits = false;
-    static constexpr bool is_glossy = true;
-    using Point = PlasticPoint;
     static constexpr bool is_guided = true;
-    static constexpr bool is_fiber = false;
 
     explicit PlasticBsdf(const PlasticPoint& m)
         : roughness_(sampled_roughness(m)),
@@ -75,7 +70,6 @@ public:
         }
         max_body_ = max_component(body_) * lets_in;
     }
-    Mask has_non_delta() const { return Mask(true); }
     Float guided_weight() const { return Float(1); }
     BsdfEval eval(Vec3 wo, Vec3 wi, Mask without_mirrors = Mask(false)) const
     {

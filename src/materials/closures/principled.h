@@ -11,14 +11,9 @@ inline namespace FATHOM_LANES {
 /// each is scaled by itself for multiple scattering, because the factor is not linear in the reflectance.
 /// The base is attenuated by the layer's directional albedo; glTF's formula takes the reflectance at the half vector,
 /// which creates energy at grazing angles.
-class PrincipledBsdf {
+class PrincipledBsdf : public ClosureOf<ClosureKind::principled, PrincipledPoint> {
 public:
-    static constexpr ClosureKind kind = ClosureKind::principled;
-    static constexpr bool transmits = false;
-    static constexpr bool is_glossy = true;
-    using Point = PrincipledPoint;
     static constexpr bool is_guided = true;
-    static constexpr bool is_fiber = false;
 
     explicit PrincipledBsdf(const PrincipledPoint& m)
         : roughness_(sampled_roughness(m)),
@@ -34,7 +29,6 @@ public:
         max_f0_ = fma(metallic_, max(most, dielectric_f0_) - dielectric_f0_, dielectric_f0_);
         max_diffuse_ = most * (Float(1) - metallic_);
     }
-    Mask has_non_delta() const { return Mask(true); }
     Float guided_weight() const { return fma(metallic_, min(Float(2) * roughness_, Float(1)) - Float(1), Float(1)); }
     BsdfEval eval(Vec3 wo, Vec3 wi, Mask without_mirrors = Mask(false)) const
     {

@@ -2,15 +2,14 @@
 #include "fathom/film_file.h"
 
 #include <gtest/gtest.h>
-#include <sys/resource.h>
 #include <sys/stat.h>
-#include <csignal>
 #include <functional>
 
 #include "fathom/error.h"
 #include "film/made_film.h"
 #include "image/pictures.h"
 #include "support/error_message.h"
+#include "support/file_size_limit.h"
 #include "support/film_contents.h"
 
 namespace fathom {
@@ -274,18 +273,14 @@ TEST(FilmSnapshot, LeavesTheEarlierFileWhenTheDiskIsFull)
     const Film film = some_film(8, 9);
     FilmSnapshot snapshot;
     snapshot.take(film, film.beauty(false), {});
-    rlimit old{};
-    getrlimit(RLIMIT_FSIZE, &old);
-    const auto old_handler = std::signal(SIGXFSZ, SIG_IGN);
     for (rlim_t limit : {0, 1, 100, 2000}) {
-        const rlimit small{limit, old.rlim_max};
-        setrlimit(RLIMIT_FSIZE, &small);
-        const std::string message = error_text([&] { snapshot.write(file, folder.path() / "b.exr"); });
-        setrlimit(RLIMIT_FSIZE, &old);
+        const std::string message = error_text([&] {
+            const test::FileSizeLimit full(limit);
+            snapshot.write(file, folder.path() / "b.exr");
+        });
         EXPECT_NE(message.find("can't write: "), std::string::npos) << limit << " " << message;
         EXPECT_EQ(bytes_of(file), before);
     }
-    std::signal(SIGXFSZ, old_handler);
     EXPECT_EQ(folder.files(), 1u);
 }
 

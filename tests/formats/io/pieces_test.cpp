@@ -152,14 +152,22 @@ TEST_F(Pieces, GiveTheSameForAnyThreads)
     }
 }
 
+std::vector<std::string> blocks_of(const std::string& text, std::size_t size)
+{
+    InputFile input("a.obj", text);
+    LineBlocks reader(input, size);
+    std::vector<std::string> blocks;
+    for (std::string block; reader.next(block);) blocks.push_back(block);
+    return blocks;
+}
+
 TEST_F(Pieces, EndWhereLinesEnd)
 {
     const std::string text = "v 1 2\\\n3\nvt \\\r\n 4\r\n\n\nlast one \\\n goes on";
     for (std::size_t size = 1; size < text.size() + 3; ++size) {
-        InputFile input("a.obj", text);
-        LineBlocks blocks(input, size);
         std::string all;
-        for (std::string block; blocks.next(block); all += block) {
+        for (const std::string& block : blocks_of(text, size)) {
+            all += block;
             EXPECT_TRUE(block.ends_with('\n')) << size;
             EXPECT_FALSE(block.ends_with("\\\n") || block.ends_with("\\\r\n")) << size;
         }
@@ -172,13 +180,14 @@ TEST_F(Pieces, EndWhereLinesEndWithCr)
 {
     const std::string text = "v 1 2\rvt \\\r 4\r\n\r\rlast one\r";
     for (std::size_t size = 1; size < text.size() + 3; ++size) {
-        InputFile input("a.obj", text);
-        LineBlocks blocks(input, size);
+        const std::vector<std::string> blocks = blocks_of(text, size);
         std::string all;
-        int count = 0;
-        for (std::string block; blocks.next(block); all += block, ++count) EXPECT_TRUE(block.ends_with('\n')) << size;
+        for (const std::string& block : blocks) {
+            all += block;
+            EXPECT_TRUE(block.ends_with('\n')) << size;
+        }
         EXPECT_EQ(all, "v 1 2\nvt \\\n 4\r\n\n\nlast one\n") << size;
-        if (size == 1) EXPECT_GT(count, 1);
+        if (size == 1) EXPECT_GT(blocks.size(), 1u);
     }
 }
 

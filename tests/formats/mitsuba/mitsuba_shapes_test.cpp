@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // Tests of shapes in Mitsuba files.
 #include <fmt/format.h>
-#include <zlib.h>
 #include <array>
 #include <cmath>
 #include <cstring>
 
 #include "mitsuba_fixture.h"
+#include "support/deflated.h"
 
 namespace fathom::test {
 namespace {
@@ -243,16 +243,6 @@ template <class T>
 std::string raw_bytes(const std::vector<T>& values)
 {
     return {reinterpret_cast<const char*>(values.data()), values.size() * sizeof(T)};
-}
-
-std::string deflated(const std::string& bytes)
-{
-    uLongf size = compressBound(uLong(bytes.size()));
-    std::string out(size, 0);
-    compress(reinterpret_cast<Bytef*>(out.data()), &size, reinterpret_cast<const Bytef*>(bytes.data()),
-             uLong(bytes.size()));
-    out.resize(size);
-    return out;
 }
 
 /// A file of two meshes of one triangle: floats with normals and texture coordinates, and doubles.

@@ -17,14 +17,7 @@ constexpr const char* square = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
 double area(const Mesh& mesh)
 {
     double sum = 0;
-    for (std::size_t i = 0; i < mesh.indices.size(); i += 3) {
-        const auto at = [&](std::size_t k) {
-            const Vec3f p = mesh.positions[mesh.indices[i + k]];
-            return Vec3d{p.x, p.y, p.z};
-        };
-        const Vec3d n = cross(at(1) - at(0), at(2) - at(0));
-        sum += n.z / 2;
-    }
+    for (std::size_t i = 0; i < mesh.indices.size(); i += 3) sum += area_vector(mesh, i).z;
     return sum;
 }
 

@@ -275,14 +275,10 @@ TEST_F(Pbrt, RoundShapes)
         const Mesh& mesh = mesh_of(scene);
         double sum = 0;
         for (std::size_t i = 0; i < mesh.indices.size(); i += 3) {
-            const auto p = [&](std::size_t k) {
-                const Vec3f v = mesh.positions[mesh.indices[i + k]];
-                return Vec3d{v.x, v.y, v.z};
-            };
-            const Vec3d n = cross(p(1) - p(0), p(2) - p(0));
+            const Vec3d n = area_vector(mesh, i);
             const Vec3f normal = mesh.normals[mesh.indices[i]];
             EXPECT_GT(n.x * normal.x + n.y * normal.y + n.z * normal.z, 0);
-            sum += length(n) / 2;
+            sum += length(n);
         }
         return sum;
     };

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Random rays and scenes for ray casting tests, and brute-force casting that tests every primitive.
+#include <bit>
 #include <cmath>
 #include <cstdint>
 #include <vector>
@@ -39,6 +40,19 @@ public:
 private:
     std::uint64_t state_;
 };
+
+/// A random translation and rotation.
+inline PoseRecord random_placement(Random& random, float time)
+{
+    PoseRecord pose;
+    pose.time = time;
+    const Vec3f p = random.point(60);
+    pose.translation[0] = p.x, pose.translation[1] = p.y, pose.translation[2] = p.z;
+    float length = 0;
+    for (float& q : pose.rotation) q = random.uniform(-1, 1), length += q * q;
+    for (float& q : pose.rotation) q /= std::sqrt(length);
+    return pose;
+}
 
 inline Vec3f plus(Vec3f a, Vec3f b)
 {
@@ -115,6 +129,19 @@ inline Hits cast(const Bvh& bvh, Rays& rays, bool coherent)
     Hits hits(arrays.count);
     bvh.closest(arrays, hits.arrays(), coherent);
     return hits;
+}
+/// Hash of the first `count` hits; hits before primitive u_end have u, those before v_end v too.
+inline std::uint64_t hash_of(const Hits& hits, std::size_t count, std::uint32_t u_end, std::uint32_t v_end)
+{
+    std::uint64_t hash = 1469598103934665603u;
+    const auto mix_in = [&](std::uint32_t x) { hash = (hash ^ x) * 1099511628211u; };
+    for (std::size_t i = 0; i < count; ++i) {
+        mix_in(std::bit_cast<std::uint32_t>(hits.t[i]));
+        mix_in(hits.primitive[i]);
+        if (hits.primitive[i] < u_end) mix_in(std::bit_cast<std::uint32_t>(hits.u[i]));
+        if (hits.primitive[i] < v_end) mix_in(std::bit_cast<std::uint32_t>(hits.v[i]));
+    }
+    return hash;
 }
 inline std::vector<std::uint32_t> cast_shadows(const Bvh& bvh, Rays& rays, bool coherent)
 {

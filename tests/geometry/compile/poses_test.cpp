@@ -13,13 +13,7 @@ namespace {
 /// A random translation and rotation, and a stretch along rotated axes.
 PoseRecord random_pose(Random& random, float time)
 {
-    PoseRecord pose;
-    pose.time = time;
-    const Vec3f p = random.point(60);
-    pose.translation[0] = p.x, pose.translation[1] = p.y, pose.translation[2] = p.z;
-    float length = 0;
-    for (float& q : pose.rotation) q = random.uniform(-1, 1), length += q * q;
-    for (float& q : pose.rotation) q /= std::sqrt(length);
+    PoseRecord pose = random_placement(random, time);
     for (int k : {0, 3, 5}) pose.stretch[k] = random.uniform(5, 20);
     for (int k : {1, 2, 4}) pose.stretch[k] = random.uniform(-1, 1);
     return pose;

@@ -424,15 +424,7 @@ std::uint64_t hash_of_hits(const GeometryTables& tables)
     Bvh bvh;
     bvh.build(tables);
     Rays rays = difficult_rays(tables, 100, 20'000, 15);
-    const Hits hits = cast(bvh, rays, true);
-    std::uint64_t hash = 1469598103934665603u;
-    const auto mix_in = [&](std::uint32_t x) { hash = (hash ^ x) * 1099511628211u; };
-    for (std::size_t i = 0; i < rays.count(); ++i) {
-        mix_in(std::bit_cast<std::uint32_t>(hits.t[i]));
-        mix_in(hits.primitive[i]);
-        if (hits.primitive[i] < tables.first_point()) mix_in(std::bit_cast<std::uint32_t>(hits.u[i]));
-    }
-    return hash;
+    return hash_of(cast(bvh, rays, true), rays.count(), tables.first_point(), 0);
 }
 
 TEST(Curves, the_same_bits_everywhere)

@@ -5,8 +5,8 @@
 
 #include <fstream>
 
-#include "fathom/error.h"
 #include "image/pictures.h"
+#include "support/error_message.h"
 
 namespace fathom {
 namespace {
@@ -19,14 +19,7 @@ std::string file_of(const std::string& numbers, const std::string& head = "IESNA
 
 std::string error_of(const std::string& text)
 {
-    try {
-        parse_ies("a.ies", text);
-    } catch (const Error& e) {
-        EXPECT_EQ(std::string(e.what()).find('\n'), std::string::npos) << e.what();
-        EXPECT_EQ(e.file(), "a.ies");
-        return e.message();
-    }
-    return "read";
+    return test::error_in_file("a.ies", [&] { parse_ies("a.ies", text); });
 }
 
 /// Numbers may be split over lines anywhere; candela values are scaled by the file's factors.

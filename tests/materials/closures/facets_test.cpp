@@ -1,10 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "materials/closure_checks.h"
-#include "materials/closures/glass.h"
 #include "materials/closures/layered.h"
-#include "materials/closures/metal.h"
-#include "materials/closures/plastic.h"
-#include "materials/closures/principled.h"
+#include "materials/facet_checks.h"
 #include "materials/facet_reference.h"
 
 // Transmittance of a microfacet boundary for a direction, integrated over the distribution of normals.
@@ -13,10 +9,7 @@ namespace {
 
 CommonPoint separable(float color, float roughness, float metallic = 0)
 {
-    CommonPoint m = material(color, roughness, metallic);
-    m.separable = Mask(true);
-    m.compensated = Mask(false);
-    return m;
+    return with_facets(&FacetsPoint::separable, color, roughness, metallic);
 }
 
 LayeredMaterialPoint layered(float roughness, float coat_roughness)
@@ -64,12 +57,7 @@ double transmittance(double z, double alpha, bool is_beckmann, double ior)
 
 TEST(SeparableShadowing, Sampling)
 {
-    for (double degrees : {0.0, 45.0, 75.0}) {
-        check_sampling(PlasticBsdf(separable(0.6f, 0.7f)), degrees, "plastic");
-        check_sampling(MetalBsdf(separable(0.6f, 0.7f)), degrees, "metal");
-        check_sampling(PrincipledBsdf(separable(0.6f, 0.7f, 0.5f)), degrees, "principled");
-        check_sampling(GlassBsdf(separable(0.6f, 0.7f)), degrees, "glass");
-    }
+    for (double degrees : {0.0, 45.0, 75.0}) check_facet_sampling(separable(0.6f, 0.7f, 0.5f), degrees);
 }
 
 /// A plastic with a black base and a white metal of layers reduce to F D G / 4, in double precision.

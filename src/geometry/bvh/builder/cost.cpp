@@ -14,35 +14,26 @@ namespace {
 using V16 = float __attribute__((vector_size(64)));
 using V16i = std::int32_t __attribute__((vector_size(64)));
 
-// Costs in units of a node visit, measured on interiors, terrain and foliage (bench/rays.cpp).
-constexpr float triangle_leaf_cost = 0.7f, triangle_cost = 0.015f, other_leaf_cost = 0.7f, other_cost = 0.05f,
-                instance_cost = 4.f, moving_leaf_cost = 0.4f, moving_triangle_cost = 0.06f, curve_leaf_cost = 1.5f,
-                curve_cost = 0.1f, point_leaf_cost = 0.5f, point_cost = 0.05f;
+/// Cost of a leaf of primitives of one kind, and what each primitive adds, in units of a node visit.
+struct LeafCost {
+    std::uint32_t kind;
+    float leaf, primitive;
+};
+// The costs were measured on interiors, terrain and foliage (bench/rays.cpp).
+constexpr LeafCost leaf_costs[] = {{Item::triangle, 0.7f, 0.015f}, {Item::sphere, 0.7f, 0.05f},
+                                   {Item::disk, 0.7f, 0.05f},      {Item::instance, 4.f, 0.f},
+                                   {Item::curve, 1.5f, 0.1f},      {Item::ribbon, 1.5f, 0.1f},
+                                   {Item::point, 0.5f, 0.05f},     {Item::moving_triangle, 0.4f, 0.06f}};
 
 }  // namespace
 
 float leaf_cost(std::uint32_t kinds, std::size_t count)
 {
     constexpr float none = std::numeric_limits<float>::infinity();
-    if (count > bvh_width) return none;
-    switch (kinds) {
-        case Item::triangle:
-            return triangle_leaf_cost + triangle_cost * float(count);
-        case Item::sphere:
-        case Item::disk:
-            return other_leaf_cost + other_cost * float(count);
-        case Item::instance:
-            return count == 1 ? instance_cost : none;
-        case Item::moving_triangle:
-            return moving_leaf_cost + moving_triangle_cost * float(count);
-        case Item::curve:
-        case Item::ribbon:
-            return curve_leaf_cost + curve_cost * float(count);
-        case Item::point:
-            return point_leaf_cost + point_cost * float(count);
-        default:
-            return none;
-    }
+    if (count > std::size_t(kinds == Item::instance ? 1 : bvh_width)) return none;
+    for (const LeafCost& cost : leaf_costs)
+        if (cost.kind == kinds) return cost.leaf + cost.primitive * float(count);
+    return none;
 }
 
 Costs join(const Costs& left, const Costs& right, float half_area, float leaf, Choices& choices)

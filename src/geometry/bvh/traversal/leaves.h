@@ -59,14 +59,22 @@ bool intersect_all(int n, const LeafRay& ray, const Meet& meet, const Offer& off
     return found;
 }
 
+/// Reads numbers of a leaf's primitives from index `at` on, by their place in the records. first: number 0 of the first
+/// record.
+template <class Record>
+auto record_reader(const float* first, const BvhLeaf& leaf, int at)
+{
+    return [first, row = ids_from(leaf, at) * UInt(std::uint32_t(sizeof(Record) / 4))](int k) {
+        return gather(first + k, row);
+    };
+}
+
 /// The leaf stores no data but ids: centers, motion and radii are read from the tables.
 template <bool any_hit, class Offer>
 bool intersect_spheres(const GeometryTables& tables, const BvhLeaf& leaf, const LeafRay& ray, const Offer& offer)
 {
-    const float* table = &tables.spheres[0].center.x;
     const auto meet = [&](int at, Float& t, Float&, Float&) {
-        const UInt row = ids_from(leaf, at) * UInt(std::uint32_t(sizeof(SphereRecord) / 4));
-        const auto number = [&](int k) { return gather(table + k, row); };
+        const auto number = record_reader<SphereRecord>(&tables.spheres[0].center.x, leaf, at);
         const Vec3 center = fma({number(3), number(4), number(5)}, ray.time, {number(0), number(1), number(2)});
         return intersect_sphere(center, number(6), ray.o, ray.d, Float(infinity), t);
     };
@@ -77,10 +85,8 @@ bool intersect_spheres(const GeometryTables& tables, const BvhLeaf& leaf, const 
 template <bool any_hit, class Offer>
 bool intersect_disks(const GeometryTables& tables, const BvhLeaf& leaf, const LeafRay& ray, const Offer& offer)
 {
-    const float* table = &tables.disks[0].center.x;
     const auto meet = [&](int at, Float& t, Float&, Float&) {
-        const UInt row = ids_from(leaf, at) * UInt(std::uint32_t(sizeof(DiskRecord) / 4));
-        const auto number = [&](int k) { return gather(table + k, row); };
+        const auto number = record_reader<DiskRecord>(&tables.disks[0].center.x, leaf, at);
         return intersect_disk({number(0), number(1), number(2)}, {number(3), number(4), number(5)}, number(6), ray.o,
                               ray.d, Float(infinity), t);
     };
