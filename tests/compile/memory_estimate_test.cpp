@@ -3,6 +3,7 @@
 #include <unistd.h>
 
 #include <filesystem>
+#include <limits>
 
 #include "base/machine.h"
 #include "fathom/error.h"
@@ -136,7 +137,7 @@ TEST_F(ImageFileEstimate, MissingFilesAreNotCounted)
 class Limited {
 public:
     explicit Limited(std::uint64_t bytes) { limit_memory(bytes, "--memory"); }
-    ~Limited() { limit_memory(0, ""); }
+    ~Limited() { limit_memory(std::numeric_limits<std::uint64_t>::max(), "no limit"); }
 };
 
 TEST(MemoryLimit, TellsTheLargestTakersAndWhatIsAllowed)
