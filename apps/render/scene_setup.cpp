@@ -315,9 +315,10 @@ void decide_on_caustics(const LitScene& lit, std::optional<bool> wanted, const s
     if (lit.refracted_light.empty()) return;
     settings.light_tracing = wanted.value_or(true) && settings.light_sampling;
     if (!settings.light_tracing)
-        warnings.add(fmt::format("{}: {}, and the light that the glass refracts is missing (caustics); --caustics on "
-                                 "renders it",
-                                 file, lit.refracted_light));
+        warnings.add(
+            fmt::format("{}: {}, and the light that the glass refracts is missing (caustics); --caustics on "
+                        "renders it",
+                        file, lit.refracted_light));
     else if (!wanted)
         reporter.note(fmt::format("caustics: on, because {} (disable them with --caustics off)", lit.refracted_light));
 }

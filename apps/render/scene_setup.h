@@ -48,7 +48,6 @@ void apply_light(const LitScene& lit, const ImageOptions& options, RenderSetting
 void decide_on_caustics(const LitScene& lit, std::optional<bool> wanted, const std::string& file,
                         RenderSettings& settings, Warnings& warnings, Reporter& reporter);
 
-
 /// Moves animation and camera to another time.
 void set_time(EditableScene& edit, const LoadedScene& loaded, const SceneOptions& options, double time_s);
 /// The camera after a fraction of a turntable's turn, counterclockwise seen from above.

@@ -281,7 +281,8 @@ Image Film::image(bool alpha, bool variance) const
         image.layers.push_back(fill(film, "variance", {"R", "G", "B"}, [&](const std::uint32_t* pixel, int c) {
             if (n < 2) return 0.0f;
             const double mean = radiance(pixel, c) * scale;
-            const double paths = std::max(0.0, ExactSquareSum::value(square_sum(pixel, c)) * scale - mean * mean) / (n - 1);
+            const double paths =
+                std::max(0.0, ExactSquareSum::value(square_sum(pixel, c)) * scale - mean * mean) / (n - 1);
             // Splats are rare: the variance of their sum is the sum of their squares.
             return float(layout.splats < 0
                              ? paths

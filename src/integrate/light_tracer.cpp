@@ -108,10 +108,10 @@ private:
         if (scene_.has(Feature::motion))
             time = fma(sample_2d(key, pair_seed(seed, pair_time)).x,
                        Float(camera_.shutter_close - camera_.shutter_open), Float(camera_.shutter_open));
-        const LightEmitter::Emission e = emitter_.emit({sample_2d(key, pair_seed(seed, pair_emitter)).x,
-                                                        sample_2d(key, pair_seed(seed, pair_emission_point)),
-                                                        sample_2d(key, pair_seed(seed, pair_emission_direction))},
-                                                       time, m);
+        const LightEmitter::Emission e = emitter_.emit(
+            {sample_2d(key, pair_seed(seed, pair_emitter)).x, sample_2d(key, pair_seed(seed, pair_emission_point)),
+             sample_2d(key, pair_seed(seed, pair_emission_direction))},
+            time, m);
         m &= any_positive(e.power);
         PathPool& p = *paths_;
         p.origin.append(size, e.o, m);
@@ -197,8 +197,8 @@ private:
         /// Lanes whose path has no vertex before this one: their light may be sampled here by the path tracer.
         Mask is_first;
         UInt light;
-        Float distance;      ///< from the light, for the lanes of is_first
-        Mask unhittable;     ///< is_first and the light is one that rays do not hit
+        Float distance;   ///< from the light, for the lanes of is_first
+        Mask unhittable;  ///< is_first and the light is one that rays do not hit
     };
 
     template <class Closure>
@@ -240,8 +240,17 @@ private:
         // Passed boundaries are steps of a walk, which choose other random numbers.
         UInt group = bounce + UInt(1u);
         if (columns_.has(PathColumn::walk_steps)) group = group | p.walk_steps.load(i) << 16;
-        return {i,     valid,  hit,   media, VertexRandom({p.pixel_hash.load(i), p.reversed_index.load(i)}, group),
-                state, bounce, p.throughput.load(i), first, light, hit.t + p.exit_offset.load(i),
+        return {i,
+                valid,
+                hit,
+                media,
+                VertexRandom({p.pixel_hash.load(i), p.reversed_index.load(i)}, group),
+                state,
+                bounce,
+                p.throughput.load(i),
+                first,
+                light,
+                hit.t + p.exit_offset.load(i),
                 any(first) ? lights_.is_unhittable(light, first) : Mask(false)};
     }
 
@@ -380,7 +389,8 @@ private:
         if (connections_ == 0) return;
         PathPool& rays = connection_rays_;
         trace_paths(scene_, rays, connection_hits_, 0, connections_, false);
-        if (scene_.has(Feature::camera_pass_through)) see_through_.pass_surfaces(rays, connection_hits_, 0, connections_);
+        if (scene_.has(Feature::camera_pass_through))
+            see_through_.pass_surfaces(rays, connection_hits_, 0, connections_);
         for (std::size_t k = 0; k < connections_; ++k) {
             if (connection_hits_.primitive[k] != no_index && connection_hits_.t[k] < rays.exit_offset[k]) continue;
             ++counters_.costs.clear_shadow_rays;

@@ -37,7 +37,8 @@ public:
           settings_(settings),
           lights_are_sampled_(settings.light_sampling && !tables_.lights.empty()),
           columns_(path_columns(scene.features, settings, job.records != nullptr)),
-          camera_media_(scene.has(Feature::media_stacks) ? media_at(scene, camera.position, camera.shutter_open) : MediumStack()),
+          camera_media_(scene.has(Feature::media_stacks) ? media_at(scene, camera.position, camera.shutter_open)
+                                                         : MediumStack()),
           camera_paths_(scene, camera, settings, job),
           first_hits_(scene, camera, settings.aovs, sums),
           sums_(sums),
@@ -318,8 +319,10 @@ private:
         const Vec3 o = fma(hit.d, -offset, hit.o);
         const Float distance = hit.t + offset;
         const Float nee_pdf = lights_.density_of(number, o, hit.time, hit.d, distance, hit.u, m);
-        return select(m, weight_against_light_paths(index, number, o, hit.d, distance, hit.time,
-                                                    select(specular, Float(0), nee_pdf), m), Float(1));
+        return select(m,
+                      weight_against_light_paths(index, number, o, hit.d, distance, hit.time,
+                                                 select(specular, Float(0), nee_pdf), m),
+                      Float(1));
     }
     /// Weight of light that the closures of these paths found along d, against light tracing. nee_pdf: density of
     /// sampling it at the last vertex; 0 after a delta lobe.
@@ -343,15 +346,14 @@ private:
         const Spectrum radiance =
             lights_.environment(settings_.background, lights_are_sampled_, d, from_camera, specular, pdf, m);
         Float weight(1.f);
-        if (columns_.has(PathColumn::light_tracing) && lights_are_sampled_ &&
-            tables_.environment.light != no_index) {
+        if (columns_.has(PathColumn::light_tracing) && lights_are_sampled_ && tables_.environment.light != no_index) {
             const Mask found = m & (p.connection.gather(index, m) >= Float(0));
             const Float nee_pdf = select(specular, Float(0), lights_.environment_density(d));
-            weight = select(found,
-                            weight_against_light_paths(index, UInt(tables_.environment.light),
-                                                       p.origin.gather(index, m), d, Float(infinity), Float(0),
-                                                       nee_pdf, found),
-                            Float(1));
+            weight =
+                select(found,
+                       weight_against_light_paths(index, UInt(tables_.environment.light), p.origin.gather(index, m), d,
+                                                  Float(infinity), Float(0), nee_pdf, found),
+                       Float(1));
         }
         add_radiance(missing_, at, radiance, weight, m);
     }
@@ -397,7 +399,7 @@ private:
     TileSums& sums_;
     KernelCounters& counters_;
     StageClock clock_;
-    std::uint32_t next_ = 0;                         ///< number of the job's next path
+    std::uint32_t next_ = 0;  ///< number of the job's next path
 
     PathPool pools_[2];
     PathPool *paths_ = &pools_[0], *spare_ = &pools_[1];
@@ -425,7 +427,8 @@ void render_job(const KernelScene& scene, const CameraRecord& camera, const Kern
         const std::unique_ptr<Tracer> tracer(new Tracer(lane_scene, camera, settings, job, sums, counters));
         tracer->run();
     };
-    if (!lane_scene.has(Feature::only_quads) || settings.clamp_indirect > 0 || settings.light_paths > 0) run(std::type_identity<PathTracer>());
+    if (!lane_scene.has(Feature::only_quads) || settings.clamp_indirect > 0 || settings.light_paths > 0)
+        run(std::type_identity<PathTracer>());
     // The quad loops do not record paths: they are faster without guiding than the general loop is with it.
     else if (job.records)
         return;

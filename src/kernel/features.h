@@ -55,7 +55,7 @@ enum class PathColumn : std::uint32_t {
     nee_probability,
     number,
     walk_steps,
-    walk_coefficients,    ///< walk_extinction and walk_albedo
+    walk_coefficients,     ///< walk_extinction and walk_albedo
     light_sampling_state,  ///< bsdf_pdf and exit_offset: surfaces that a path passes undeflected keep them
     light_tracing          ///< connection and scatter_pdf: weights against light tracing
 };

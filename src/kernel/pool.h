@@ -150,8 +150,7 @@ struct PathPool {
         if (columns.has(PathColumn::light_sampling_state)) f(a.bsdf_pdf, b.bsdf_pdf), f(a.exit_offset, b.exit_offset);
         if (columns.has(PathColumn::walk_coefficients))
             for_columns(a.walk_extinction, b.walk_extinction, f), for_columns(a.walk_albedo, b.walk_albedo, f);
-        if (columns.has(PathColumn::light_tracing))
-            f(a.connection, b.connection), f(a.scatter_pdf, b.scatter_pdf);
+        if (columns.has(PathColumn::light_tracing)) f(a.connection, b.connection), f(a.scatter_pdf, b.scatter_pdf);
     }
     /// The position of the pixel in the job.
     template <class Word>

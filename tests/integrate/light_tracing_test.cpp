@@ -85,15 +85,15 @@ protected:
         expect_mean(render_film(b.scene, traced(), samples), expected * 0.5 / pi, 0.003);
     }
 };
-INSTANTIATE_TEST_SUITE_P(Scenes, MirroredLamps, testing::Values(0, 1, 100),
-                         [](const auto& info) { return info.param == 0 ? "quads" : info.param == 1 ? "list" : "tree"; });
+INSTANTIATE_TEST_SUITE_P(Scenes, MirroredLamps, testing::Values(0, 1, 100), [](const auto& info) {
+    return info.param == 0 ? "quads" : info.param == 1 ? "list" : "tree";
+});
 
 TEST_P(MirroredLamps, Point)
 {
     const auto one = [](Vec3d) { return 1.0; };
-    const double expected = mean_irradiance([&](double x, double z) {
-        return by_point({0.2, 1, 0.1}, x, z, one) + by_point({1.8, 1, 0.1}, x, z, one);
-    });
+    const double expected = mean_irradiance(
+        [&](double x, double z) { return by_point({0.2, 1, 0.1}, x, z, one) + by_point({1.8, 1, 0.1}, x, z, one); });
     expect(Light{}, Transform::translate({0.2, 1, 0.1}), expected, 1024);
 }
 
@@ -361,8 +361,7 @@ TEST(LightTracing, FiltersBlurEdgesTheSame)
             const Image both = render_film(b.scene, settings, 512).image(false, true);
             const auto &told = plain.find("variance")->pixels, &own = both.find("variance")->pixels;
             for (std::size_t i = 0; i < told.size(); i += 3)
-                EXPECT_NEAR(both.layers[0].pixels[i], plain.layers[0].pixels[i],
-                            5 * std::sqrt(told[i] + own[i]) + 1e-4)
+                EXPECT_NEAR(both.layers[0].pixels[i], plain.layers[0].pixels[i], 5 * std::sqrt(told[i] + own[i]) + 1e-4)
                     << "pixel " << i / 3;
         }
 }
@@ -382,7 +381,8 @@ TEST(LightTracing, SmoothNormalsAreTheSame)
             const Vec3f& p = ball.positions[ball.indices[i + k]];
             return Vec3d{p.x, p.y, p.z};
         };
-        if (dot(cross(at(1) - at(0), at(2) - at(0)), out(ball.positions[ball.indices[i]])) < 0) std::swap(ball.indices[i + 1], ball.indices[i + 2]);
+        if (dot(cross(at(1) - at(0), at(2) - at(0)), out(ball.positions[ball.indices[i]])) < 0)
+            std::swap(ball.indices[i + 1], ball.indices[i + 2]);
     }
     for (const Material& m : {Material{}, conductor(0.3f), conductor(0), dielectric(0.4f), dielectric()}) {
         SCOPED_TRACE(testing::Message() << material_kind_name(m.kind) << ", roughness " << m.roughness.value);
@@ -398,8 +398,8 @@ TEST(LightTracing, SmoothNormalsAreTheSame)
     }
 }
 
-/// Light samples and light paths pass thin panes without a bend. These panes reflect hardly anything: what panes reflect
-/// of lamps without size is found by light paths only.
+/// Light samples and light paths pass thin panes without a bend. These panes reflect hardly anything: what panes
+/// reflect of lamps without size is found by light paths only.
 TEST(LightTracing, PanesPassTheSame)
 {
     Material pane = dielectric();

@@ -194,8 +194,8 @@ void FilmFile::Data::read_attributes(const Imf::Header& header)
 void FilmFile::Data::read_channels(const Imf::Header& header)
 {
     const RenderSettings& settings = key.settings;
-    words = with_file_name(file.name, packing_attribute,
-                           [&] { return Packing(FilmLayout(settings), packing).words(); });
+    words =
+        with_file_name(file.name, packing_attribute, [&] { return Packing(FilmLayout(settings), packing).words(); });
     int found = 0;
     std::size_t place = line_header_bytes;
     for (auto c = header.channels().begin(); c != header.channels().end(); ++c) {

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-/// Scattering of light paths. A light path multiplies by the BSDF that the path tracer sees from the other end, with the
-/// cosines of the geometric normal: Veach 1997, section 5.3, whose correction for shading normals follows from that.
+/// Scattering of light paths. A light path multiplies by the BSDF that the path tracer sees from the other end, with
+/// the cosines of the geometric normal: Veach 1997, section 5.3, whose correction for shading normals follows from
+/// that.
 #include "integrate/stages/scatter.h"
 
 namespace fathom {

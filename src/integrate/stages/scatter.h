@@ -50,8 +50,9 @@ template <class Closure>
     const Float pdf = guidance.pdf(wi, e.pdf), inverse_pdf = Float(1) / max(pdf, Float(1e-30f));
     const Spectrum weight = select(by_bsdf.is_delta, by_bsdf.weight, e.f_cos * inverse_pdf);
     const Mask same_side = equal(dot(wi, at.ng) > Float(0), local.z > Float(0));
-    return {wi,    select(same_side, throughput * weight, Spectrum(Float(0))), pdf, e.pdf, by_bsdf.is_delta,
-            Float(1), Mask(false)};
+    return {
+        wi,         select(same_side, throughput * weight, Spectrum(Float(0))), pdf, e.pdf, by_bsdf.is_delta, Float(1),
+        Mask(false)};
 }
 
 /// BSDF sampling, or guided sampling if the guidance is on: samples the next direction of paths.
@@ -65,8 +66,8 @@ template <class Closure>
     if constexpr (Closure::is_guided)
         if (guidance.is_on()) return scatter_guided(closure, at, guidance, choice, random, throughput);
     const BsdfSample next = closure.sample(at.wo, random, choice);
-    Scattered s{at.frame.to_world(next.wi), throughput * next.weight, next.pdf, next.pdf, next.is_delta,
-                next.eta, next.enters_subsurface};
+    Scattered s{at.frame.to_world(next.wi), throughput * next.weight, next.pdf, next.pdf, next.is_delta, next.eta,
+                next.enters_subsurface};
     // A shading normal must not change the side of the surface on which light leaves.
     const Float side = dot(s.wi, at.ng);
     s.throughput = select(equal(side > Float(0), next.wi.z > Float(0)), s.throughput, Spectrum(Float(0)));

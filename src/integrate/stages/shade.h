@@ -374,8 +374,7 @@ private:
         Mask lit = m & (s.inverse_pdf > Float(0));
         Float scatter_pdf;
         Spectrum add = direct_light(closure, at, guidance, s, throughput, lit, scatter_pdf);
-        if (light_paths_ > 0)
-            add = add * weight_of_light_sample(gang, at, first, without_chance, scatter_pdf, lit);
+        if (light_paths_ > 0) add = add * weight_of_light_sample(gang, at, first, without_chance, scatter_pdf, lit);
         MediumStack media;
         if (scene_.has(Feature::media_stacks)) {
             const Mask beyond = Closure::transmits ? dot(s.wi, at.ng) < Float(0) : Mask(false);

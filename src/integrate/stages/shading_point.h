@@ -12,10 +12,10 @@ inline namespace FATHOM_LANES {
 template <class Closure>
 struct ShadingPoint {
     Vec3 p, ng;
-    Float offset;  ///< offset of rays that leave the surface, see Surface
-    Frame frame;   ///< frame of the shading normal
+    Float offset;       ///< offset of rays that leave the surface, see Surface
+    Frame frame;        ///< frame of the shading normal
     Vec3 given_normal;  ///< the shading normal before it was bent toward ng, on the same side
-    Vec3 wo;       ///< toward the previous vertex, in `frame`
+    Vec3 wo;            ///< toward the previous vertex, in `frame`
     UInt material_index;
     typename Closure::Point material;
     Vec3 d;       ///< direction along which the path arrived

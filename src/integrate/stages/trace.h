@@ -33,9 +33,9 @@ inline void trace_paths(const LaneScene& scene, const PathPool& p, HitColumns& h
                          nullptr,
                          has_time ? &p.time.data[begin] : nullptr,
                          end - begin};
-    scene.bvh.closest(
-        rays, {&hits.t[begin], &hits.u[begin], &hits.v[begin], &hits.primitive[begin], &hits.instance[begin]},
-        coherent);
+    scene.bvh.closest(rays,
+                      {&hits.t[begin], &hits.u[begin], &hits.v[begin], &hits.primitive[begin], &hits.instance[begin]},
+                      coherent);
 }
 
 }  // namespace FATHOM_LANES

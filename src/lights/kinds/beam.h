@@ -32,7 +32,8 @@ struct BeamLight {
         const Float x = select(is_round, disk.x, fma(position.x, Float(2), Float(-1))),
                     y = select(is_round, disk.y, fma(position.y, Float(2), Float(-1)));
         const Vec3 u = light.get(&Record::half_u), v = light.get(&Record::half_v);
-        return {fma(u, x, fma(v, y, light.get(&Record::center))), light.get(&Record::axis), Vec3(Float(0), Float(0), Float(0)), area(light)};
+        return {fma(u, x, fma(v, y, light.get(&Record::center))), light.get(&Record::axis),
+                Vec3(Float(0), Float(0), Float(0)), area(light)};
     }
     template <class Light>
     static Float emission_density(const Light& light, const Vec3&, Float)

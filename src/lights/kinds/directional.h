@@ -31,7 +31,8 @@ struct DirectionalLight {
     {
         const Float spread = light.get(&Record::one_minus_cos);
         // A delta light's direction needs no test: only its own samples ask.
-        const Mask inside = (spread <= Float(0)) | (Float(1) + dot(wi, light.get(&Record::axis)) <= spread * Float(1.0001f));
+        const Mask inside =
+            (spread <= Float(0)) | (Float(1) + dot(wi, light.get(&Record::axis)) <= spread * Float(1.0001f));
         return select(inside, Float(1) / solid_angle(spread), Float(0));
     }
 

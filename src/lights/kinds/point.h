@@ -25,7 +25,8 @@ struct PointLight {
     template <class Light>
     static EmittedRay emit(const Light& light, Float, Sample2, Sample2 direction)
     {
-        return {light.get(&Record::position), sample_sphere(direction), Vec3(Float(0), Float(0), Float(0)), Float(4 * pi)};
+        return {light.get(&Record::position), sample_sphere(direction), Vec3(Float(0), Float(0), Float(0)),
+                Float(4 * pi)};
     }
     template <class Light>
     static Float emission_density(const Light&, const Vec3&, Float distance)

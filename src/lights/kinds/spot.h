@@ -23,7 +23,8 @@ struct SpotLight {
     {
         const Float cone = min(light.get(&Record::outer), Float(2));
         const Vec3 d = Frame(light.get(&Record::axis)).to_world(sample_cone(direction, cone));
-        return {light.get(&Record::position), d, Vec3(Float(0), Float(0), Float(0)), with_falloff(light, -d, Float(2 * pi) * cone)};
+        return {light.get(&Record::position), d, Vec3(Float(0), Float(0), Float(0)),
+                with_falloff(light, -d, Float(2 * pi) * cone)};
     }
     template <class Light>
     static Float emission_density(const Light& light, const Vec3& wi, Float distance)

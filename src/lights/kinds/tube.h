@@ -41,7 +41,8 @@ struct TubeLight {
     static Float pdf(const Light& light, const Vec3& p, const Vec3& wi)
     {
         const Axis axis = axis_from(light, p);
-        const Float radius = light.get(&Record::radius), rho = axis.distance, tangent2 = (rho - radius) * (rho + radius);
+        const Float radius = light.get(&Record::radius), rho = axis.distance,
+                    tangent2 = (rho - radius) * (rho + radius);
         const Vec3 across = fma(axis.e, -dot(wi, axis.e), wi);
         const Float cosine = dot(across, axis.x) * inverse_sqrt(max(dot(across, across), Float(1e-37f)));
         const Float root2 = fma(rho * rho, fma(cosine, cosine, Float(-1)), radius * radius);
@@ -58,8 +59,8 @@ struct TubeLight {
         const SinCos turn = sincos_2pi(position.x);
         const Vec3 n = fma(frame.s, turn.cos, frame.t * turn.sin);
         const Vec3 on_axis = fma(half, fma(position.y, Float(2), Float(-1)), light.get(&Record::center));
-        EmittedRay ray = emit_from_surface(fma(n, light.get(&Record::radius), on_axis), n, area(light), Mask(false),
-                                           direction);
+        EmittedRay ray =
+            emit_from_surface(fma(n, light.get(&Record::radius), on_axis), n, area(light), Mask(false), direction);
         ray.n = Vec3(Float(0), Float(0), Float(0));
         return ray;
     }

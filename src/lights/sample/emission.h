@@ -5,8 +5,8 @@
 namespace fathom {
 inline namespace FATHOM_LANES {
 
-/// Emission of light paths: chooses a light by its power, a point of it and a direction. Light from infinity starts on a
-/// disk across its direction that covers the scene. Curves emit nothing here.
+/// Emission of light paths: chooses a light by its power, a point of it and a direction. Light from infinity starts on
+/// a disk across its direction that covers the scene. Curves emit nothing here.
 class LightEmitter {
 public:
     LightEmitter(const LaneScene& scene, const LightSampler& lights)
@@ -136,8 +136,7 @@ private:
         e.o = select(on_surface, fma(flip_sign(s.ng, dot(s.ng, ray.d)), s.offset, s.p), e.o);
         if (!scene_.has(Feature::textured_lights)) return;
         const Mask varied = on_surface & (light.material() != UInt(no_index));
-        if (any(varied))
-            e.power = e.power * lights_.emission_factor(light, s, hit.primitive, varied);
+        if (any(varied)) e.power = e.power * lights_.emission_factor(light, s, hit.primitive, varied);
     }
 
     const SceneTables& tables_;

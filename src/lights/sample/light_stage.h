@@ -138,8 +138,8 @@ public:
     }
 
     /// The hit of a ray from `from` along wi on the surface of a light, at a distance.
-    SurfaceHit surface_hit(const LightReader<false>& light, const Vec3& from, const Vec3& wi, Float distance, Float time,
-                           Mask m) const
+    SurfaceHit surface_hit(const LightReader<false>& light, const Vec3& from, const Vec3& wi, Float distance,
+                           Float time, Mask m) const
     {
         return hit_on(MovingLight(light, tables_, time, m), from, wi, distance, time);
     }

@@ -5,7 +5,7 @@
 
 #include "geometry/displacement/displacement_scenes.h"
 
-// Displacement along normals: expected shapes, and no gaps.
+// Tests of displacement along normals: expected shapes, and no gaps.
 namespace fathom {
 namespace {
 
@@ -121,7 +121,7 @@ TEST(Displacement, AClosedBoxLetsNoLightIn)
     for (const float value : image.layers[0].pixels) ASSERT_EQ(value, 0);
 }
 
-/// A bent strip with smooth shading, and one with a hard edge.
+/// A bent strip with smooth shading is compared with one that has a hard edge.
 TEST(Displacement, HardEdgesStayHardAndSmoothOnesSmooth)
 {
     for (const bool smooth : {false, true}) {

@@ -13,7 +13,7 @@ namespace {
 
 using namespace test;
 
-/// Subdivision for a 64 x 32 texture that is mapped by position, in a texture space of half the size.
+/// Subdivision is that for a 64 x 32 texture that is mapped by position, in a texture space of half the size.
 TEST(Displacement, DetailFollowsMappingsByPlace)
 {
     Mesh mesh;
