@@ -79,8 +79,7 @@ int run_view(ViewOptions& o)
     }();
     DisplayTransform display = resolve_write_options(o.images, hints, reporter).display;
     apply_light(lit, o.images, settings, display, reporter);
-    decide_on_caustics(lit, o.settings.light_tracing.value_or(false), o.scene.file.string(), settings, warnings,
-                       reporter);
+    decide_on_caustics(lit, {o.scene.file.string(), o.settings.caustics.value_or(false)}, settings, warnings, reporter);
     view::ViewJob job{std::move(lit.scene), settings, {}, 0, {}, std::move(denoiser), {}, {}, 0, nullptr};
     reporter.warnings(warnings);
     job.name = o.scene.file.filename().string();

@@ -47,7 +47,7 @@ void add_path_options(Command& command, SettingsOptions& o)
                        "auto"},
                       [&](const std::string& text) {
                           const int choice = parse_choice(text, {"off", "on", "auto"});
-                          if (choice < 2) o.light_tracing = choice == 1;
+                          if (choice < 2) o.caustics = choice == 1;
                       });
     command.add_value({"--clamp-indirect", "X",
                        "limit the light that each sample gets over two or more surfaces, per channel and before "
@@ -104,7 +104,7 @@ RenderSettings resolve_settings(const SettingsOptions& o, const RenderHints& hin
     settings.filter = o.filter.value_or(settings.filter);
     settings.light_selection = o.light_selection;
     settings.guiding = o.guiding.value_or(false);
-    settings.light_tracing = o.light_tracing.value_or(false);
+    settings.light_paths = o.caustics.value_or(false) ? 1 : 0;
     settings.background = o.background ? o.background : hints.background;
     settings.alpha = o.transparent;
     if (o.clamp_indirect) settings.clamp_indirect = float(*o.clamp_indirect);

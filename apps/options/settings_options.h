@@ -16,7 +16,7 @@ struct SettingsOptions {
     std::optional<bool> light_sampling;
     LightSelection light_selection = LightSelection::tree;
     std::optional<bool> guiding;        ///< none: the command decides
-    std::optional<bool> light_tracing;  ///< none: the command decides
+    std::optional<bool> caustics;  ///< none: the command decides
     std::optional<Filter> filter;
     std::optional<double> filter_radius;
     std::optional<Color> background;

@@ -57,14 +57,20 @@ std::vector<MemoryEstimate> plan_memory(const RenderOptions& o, const RenderPlan
     return needs;
 }
 
-/// Whether guiding is worth the time that learning takes. Films that are merged must agree, so they always guide.
+/// Whether the plan has this number of samples over all pixels, and per pixel, or this time. Films that are merged must
+/// agree, so they always count as long.
+bool is_long(const RenderPlan& plan, double samples, double samples_per_pixel, double time_s)
+{
+    if (plan.film.mergeable || plan.samples.is_partial || !plan.checkpoint.file.empty()) return true;
+    if (plan.samples.time_s) return *plan.samples.time_s >= time_s;
+    const double planned = double(*plan.samples.planned);
+    return planned >= samples_per_pixel && planned * plan.settings.width * plan.settings.height >= samples;
+}
+
+/// Whether guiding is worth the time that learning takes.
 bool guiding_pays(const RenderPlan& plan)
 {
-    constexpr double min_samples = 1 << 22, min_samples_per_pixel = 8, min_s = 10;
-    if (plan.film.mergeable || plan.samples.is_partial || !plan.checkpoint.file.empty()) return true;
-    if (plan.samples.time_s) return *plan.samples.time_s >= min_s;
-    const double samples = double(*plan.samples.planned);
-    return samples >= min_samples_per_pixel && samples * plan.settings.width * plan.settings.height >= min_samples;
+    return is_long(plan, 1 << 22, 8, 10);
 }
 
 /// The BVH quality that finishes soonest. High quality takes about 1.5 us more to build for each triangle, and saves
@@ -121,6 +127,11 @@ RenderPlan make_plan(const RenderOptions& o, const LoadedScene& loaded, std::opt
     if (!plan.has_guiding_option) plan.settings.guiding = guiding_pays(plan);
     report_added(loaded, reporter);
     return plan;
+}
+
+bool is_worth_a_trial(const RenderPlan& plan)
+{
+    return is_long(plan, 1 << 24, 8, 20);
 }
 
 void check_film_memory(const RenderPlan& plan)

@@ -309,18 +309,27 @@ void apply_light(const LitScene& lit, const ImageOptions& options, RenderSetting
     if (lit.backdrop && !settings.background) settings.background = studio_backdrop;
 }
 
-void decide_on_caustics(const LitScene& lit, std::optional<bool> wanted, const std::string& file,
-                        RenderSettings& settings, Warnings& warnings, Reporter& reporter)
+void decide_on_caustics(const LitScene& lit, const CausticsChoice& choice, RenderSettings& settings, Warnings& warnings,
+                        Reporter& reporter)
 {
-    if (lit.refracted_light.empty()) return;
-    settings.light_tracing = wanted.value_or(true) && settings.light_sampling;
-    if (!settings.light_tracing)
-        warnings.add(
-            fmt::format("{}: {}, and the light that the glass refracts is missing (caustics); --caustics on "
-                        "renders it",
-                        file, lit.refracted_light));
-    else if (!wanted)
-        reporter.note(fmt::format("caustics: on, because {} (disable them with --caustics off)", lit.refracted_light));
+    const std::string& refracted = lit.refracted_light;
+    if (!choice.wanted && choice.tries) {
+        const LightTracingTrial trial = try_light_tracing(RenderJob(lit.scene, settings)).value_or(LightTracingTrial{});
+        settings.light_paths = trial.light_paths;
+        if (trial.light_paths > 0)
+            reporter.note(fmt::format("caustics: on, because {} (disable them with --caustics off)",
+                                      trial.missing_light > 1e-3
+                                          ? fmt::format("{:.2g} % of the light would be missing", 100 * trial.missing_light)
+                                          : fmt::format("light paths reduce the time to the same noise about {:.2g} times", trial.gain)));
+    } else if (!refracted.empty() && settings.light_sampling && choice.wanted.value_or(true)) {
+        settings.light_paths = 1;
+        if (!choice.wanted)
+            reporter.note(fmt::format("caustics: on, because {} (disable them with --caustics off)", refracted));
+    }
+    if (!refracted.empty() && settings.light_paths == 0)
+        warnings.add(fmt::format("{}: {}, and the light that the glass refracts is missing (caustics); --caustics on "
+                                 "renders it",
+                                 choice.file, refracted));
 }
 
 void set_time(EditableScene& edit, const LoadedScene& loaded, const SceneOptions& options, double time_s)

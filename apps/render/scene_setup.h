@@ -43,10 +43,16 @@ LitScene compile_with_light(EditableScene& edit, const LoadedScene& loaded, cons
 void apply_light(const LitScene& lit, const ImageOptions& options, RenderSettings& settings, DisplayTransform& display,
                  Reporter& reporter);
 
-/// Decides on RenderSettings::light_tracing. wanted: the user's choice; none: on if glass refracts light that path
-/// tracing alone cannot find. Warns if that light will be missing.
-void decide_on_caustics(const LitScene& lit, std::optional<bool> wanted, const std::string& file,
-                        RenderSettings& settings, Warnings& warnings, Reporter& reporter);
+/// Who decides on light tracing.
+struct CausticsChoice {
+    std::string file;            ///< name of the scene, for warnings
+    std::optional<bool> wanted;  ///< the user's choice
+    bool tries = false;          ///< the render is long enough for a trial
+};
+/// Sets RenderSettings::light_paths if the user left the choice to the program: by a trial, or else if glass refracts
+/// light that path tracing alone cannot find. Warns if that light will be missing.
+void decide_on_caustics(const LitScene& lit, const CausticsChoice& choice, RenderSettings& settings, Warnings& warnings,
+                        Reporter& reporter);
 
 /// Moves animation and camera to another time.
 void set_time(EditableScene& edit, const LoadedScene& loaded, const SceneOptions& options, double time_s);

@@ -49,6 +49,9 @@ struct Crop {
     int x0 = 0, y0 = 0, x1 = 0, y1 = 0;  ///< First column and row; one past the last column and row.
 };
 
+/// Largest value of RenderSettings::light_paths.
+inline constexpr double max_light_paths = 64;
+
 /// Everything that determines the bits of an image, except the scene, the camera and the range of samples, which
 /// render() takes as an argument. `threads` and `measure_stages` don't change the image.
 struct RenderSettings {
@@ -67,10 +70,11 @@ struct RenderSettings {
     /// and chooses survival probabilities accordingly. It reduces noise where light arrives through windows or doors or
     /// from bright walls. Plain path tracing is kept where a trial shows no gain.
     bool guiding = false;
-    /// Light tracing: as many light paths as pixels are traced for each sample index, connected to the camera, and
-    /// combined with path tracing by multiple importance sampling. It finds caustics, the light that lamps send through
-    /// glass or over mirrors onto other surfaces. Without effect if light_sampling is false.
-    bool light_tracing = false;
+    /// Light tracing: number of light paths per pixel and sample index, at most max_light_paths. They are connected to
+    /// the camera, and combined with path tracing by multiple importance sampling. They find caustics, the light that
+    /// lamps send through glass or over mirrors onto other surfaces. 0 is path tracing alone. Without effect if
+    /// light_sampling is false.
+    double light_paths = 0;
     Filter filter = Filter::blackman_harris;  ///< Pixel filter.
     double filter_radius = 0;                 ///< Radius in pixels that `filter` is stretched to, at most
                                               ///< max_filter_radius; 0 selects its default radius.

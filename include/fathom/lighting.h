@@ -65,7 +65,7 @@ struct LitScene {
     bool backdrop = false;  ///< A light background such as studio_backdrop is recommended.
     /// Says, for people, how much light of point-like lights falls on smooth glass, which refracts it where path
     /// tracing alone cannot find it: "7 % of the light of lights without size falls on glass".
-    /// RenderSettings::light_tracing renders that light. Empty if it is less than 1 %.
+    /// RenderSettings::light_paths renders that light. Empty if it is less than 1 %.
     std::string refracted_light;
 };
 

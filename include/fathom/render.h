@@ -3,6 +3,7 @@
 #include <atomic>
 #include <cstdint>
 #include <functional>
+#include <optional>
 
 #include "fathom/api.h"
 #include "fathom/costs.h"
@@ -45,6 +46,26 @@ FATHOM_API bool render(const RenderJob& job, SampleRange range, Film& film, cons
 /// unchanged. If the film already has samples, it allocates as much memory again and keeps it. Throws Error, without
 /// changing the film, if it belongs to another job, has some of the samples already, or the range is invalid.
 FATHOM_API bool render_pass(const RenderJob& job, SampleRange range, Film& film, const std::atomic<bool>& cancel);
+
+/// What a trial found about light tracing in a scene.
+struct LightTracingTrial {
+    double light_paths = 0;  ///< Recommended RenderSettings::light_paths; 0: light tracing does not pay.
+    /// Efficiency with that number of light paths relative to path tracing alone: how much less time it takes to render
+    /// with the same noise. An estimate.
+    double gain = 1;
+    /// Fraction of the image's light that path tracing alone cannot find.
+    double missing_light = 0;
+};
+/// Renders a small image with few samples to find out whether light tracing reduces the noise for the time that it
+/// takes. It takes about as long as 300,000 samples of the image.
+///
+/// job     What would be rendered; its own number of light paths does not matter.
+/// cancel  If not null and set to true by another thread, the trial stops soon.
+///
+/// The result depends on scene, camera and settings only, so parts of an image agree on it. Returns nothing if `cancel`
+/// became true.
+FATHOM_API std::optional<LightTracingTrial> try_light_tracing(const RenderJob& job,
+                                                              const std::atomic<bool>* cancel = nullptr);
 
 /// Returns the linear Rec.709 radiance of one sample of pixel (x, y), which is the value that render() adds to a film.
 /// It is meant for debugging. Throws Error if the pixel is not in the image or the index is not below max_samples.

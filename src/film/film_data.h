@@ -26,7 +26,7 @@ struct FilmLayout : AovPlaces {
 
     FilmLayout(const std::vector<Aov>& aovs, bool alpha_wanted, bool light_tracing = false);
     explicit FilmLayout(const RenderSettings& settings)
-        : FilmLayout(settings.aovs, settings.alpha, settings.light_tracing)
+        : FilmLayout(settings.aovs, settings.alpha, settings.light_paths > 0)
     {
     }
     /// The sum of squared splats of a channel, within a pixel.

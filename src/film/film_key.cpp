@@ -28,7 +28,7 @@ std::vector<std::pair<std::string, std::string>> fields_of(const FilmKey& key)
             {"light_sampling", fmt::format("{}", int(s.light_sampling))},
             {"light_selection", fmt::format("{}", int(s.light_selection))},
             {"guiding", fmt::format("{}", int(s.guiding))},
-            {"light_tracing", fmt::format("{}", int(s.light_tracing))},
+            {"light_paths", fmt::format("{:a}", s.light_paths)},
             {"filter",
              fmt::format("{}", int(s.filter)) + (s.filter_radius > 0 ? fmt::format("x{:a}", s.filter_radius) : "")},
             {"crop", s.crop ? fmt::format("{},{},{},{}", s.crop->x0, s.crop->y0, s.crop->x1, s.crop->y1) : "none"},
@@ -114,6 +114,8 @@ void check_settings(const RenderSettings& s)
     if (s.crop && (s.crop->x0 < 0 || s.crop->y0 < 0 || s.crop->x1 > s.width || s.crop->y1 > s.height ||
                    s.crop->x0 >= s.crop->x1 || s.crop->y0 >= s.crop->y1))
         throw Error("", "", "the crop is empty or not inside the image");
+    if (!(s.light_paths >= 0 && s.light_paths <= max_light_paths))
+        throw Error("", "", fmt::format("there can be at most {} light paths per pixel", max_light_paths));
     if (!(s.filter_radius >= 0 && s.filter_radius <= max_filter_radius))
         throw Error("", "", fmt::format("the filter radius must be at most {} pixels", max_filter_radius));
 }
@@ -160,7 +162,7 @@ FilmKey FilmKey::parse(const std::string& text)
     s.light_sampling = parser.number<int>("light_sampling", 0, 1) == 1;
     s.light_selection = LightSelection(parser.number<int>("light_selection", 0, 2));
     s.guiding = parser.number<int>("guiding", 0, 1) == 1;
-    s.light_tracing = parser.number<int>("light_tracing", 0, 1) == 1;
+    s.light_paths = parser.number<double>("light_paths", 0, max_light_paths);
     const std::string_view filter = parser.field("filter"), kind = filter.substr(0, filter.find('x'));
     s.filter = Filter(KeyParser::numbers<int, 1>("filter", kind, ',', 0, 3)[0]);
     if (kind.size() < filter.size())

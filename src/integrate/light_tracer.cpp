@@ -320,12 +320,14 @@ private:
         const Float pixels = connector_.pixels_per_area(c.d, c.distance) * cosine;
         Float end = paths_->connection.load(v.i);
         if (any(v.is_first)) end = select(v.is_first, light_end_of(v, at.eye(), e.pdf, Mask(false)), end);
-        const Float weight = light_tracing_weight(pixels * e.pdf / cosine_light, end);
+        const Float connection = pixels * e.pdf / cosine_light;
+        const Float weight = light_tracing_weight(connection, end);
         light = light * e.f_cos * (pixels * weight / cosine_light);
         m &= any_positive(light);
         if (none(m)) return;
         const Sample2 film = sample_2d(v.random.key, pair_seed(v.random.seed, pair_connection_film));
         film_x_.store(v.i, c.x), film_y_.store(v.i, c.y), film_u_.store(v.i, film.x), film_v_.store(v.i, film.y);
+        path_ratio_.store(v.i, connection * connection * end);
         counters_.count_rays(RayKind::shadow, std::uint64_t(count(m)));
         queue(v, at, seen, c, light, m);
     }
@@ -408,7 +410,8 @@ private:
             if (!any) continue;
             const SplatPixel::Place to = pixels_.choose(film_x_[i], film_y_[i], film_u_[i], film_v_[i]);
             if (!to.valid) continue;
-            splats_.push_back({to.pixel, {light[0] * to.weight, light[1] * to.weight, light[2] * to.weight}});
+            splats_.push_back(
+                {to.pixel, {light[0] * to.weight, light[1] * to.weight, light[2] * to.weight}, path_ratio_[i]});
         }
     }
 
@@ -528,6 +531,7 @@ private:
     MediumStage walk_;
     ShadowQueue shadows_;
     Column<float> film_x_, film_y_, film_u_, film_v_;  ///< of the connections: positions in the image, random numbers
+    Column<float> path_ratio_;  ///< LightSplat::path_ratio of the connections
     std::size_t connections_ = 0;
     PathPool connection_rays_;  ///< from the camera: throughput holds the light, exit_offset the distance
     HitColumns connection_hits_;

@@ -26,6 +26,9 @@ public:
     /// Whether rays traverse a BVH. Small scenes are a flat list of primitives instead, which takes a third of the
     /// time.
     virtual bool has_tree() const = 0;
+    /// Whether scenes of quads alone are rendered by a loop of their own, which takes a third of the time and does
+    /// without light tracing.
+    virtual bool has_quad_loop() const = 0;
     /// Updates the scene after its tables changed: materials, lights, moving instances, and the vertices of `shapes`,
     /// which must be shapes that are only visible through instances.
     virtual void update(const std::vector<std::uint32_t>& shapes) = 0;
@@ -85,6 +88,8 @@ struct LightPathJob {
 struct LightSplat {
     std::uint32_t pixel;  ///< x in the low 16 bits, y above
     float value[3];
+    /// Squared ratio of the density with which path tracing finds the path to that of light tracing; 0: it cannot.
+    float path_ratio;
 };
 
 /// Point at which a texture is evaluated before the scene is compiled.

@@ -51,6 +51,7 @@ struct LaneScene final : KernelScene {
     LaneScene(std::shared_ptr<const SceneTables> t, BvhQuality level);
     std::size_t memory_bytes() const override;
     bool has_tree() const override { return !is_flat; }
+    bool has_quad_loop() const override { return features.has(Feature::only_quads); }
     void update(const std::vector<std::uint32_t>& shapes) override;
     void force_general_loop() override { features.remove(Feature::only_quads); }
 

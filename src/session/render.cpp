@@ -21,6 +21,7 @@
 #include "kernel/kernel.h"
 #include "session/guiding.h"
 #include "session/job.h"
+#include "session/light_trial.h"
 
 namespace fathom {
 
@@ -48,7 +49,7 @@ KernelSettings kernel_settings(const RenderSettings& s, const FilmLayout& layout
     k.light_sampling = s.light_sampling;
     k.light_selection = s.light_selection;
     k.measure = s.measure_stages;
-    if (s.light_tracing && s.light_sampling) k.light_paths = std::uint32_t(s.width) * std::uint32_t(s.height);
+    if (s.light_sampling) k.light_paths = std::uint32_t(std::min(std::ceil(s.light_paths * s.width * s.height), 0x1p31));
     k.clamp_indirect = s.clamp_indirect.value_or(0);
     k.filter = std::uint32_t(s.filter);
     if (s.filter_radius > 0) k.filter_stretch = float(s.filter_radius / filter_radii[k.filter]);
@@ -218,6 +219,30 @@ void check_new(SampleRange range, const Film& film)
             throw Error("", "", fmt::format("the film already contains samples of {}:{}", range.first, range.second));
 }
 
+/// The threads of a job, which may be more than there are cores.
+class ThreadArena {
+public:
+    /// threads: RenderSettings::threads
+    explicit ThreadArena(int threads)
+        : threads_(threads > 0 ? threads : available_threads()),
+          limit_(tbb::global_control::max_allowed_parallelism,
+                 std::size_t(std::max(threads_, tbb::this_task_arena::max_concurrency()))),
+          arena_(threads_)
+    {
+    }
+    int threads() const { return threads_; }
+    template <class Work>
+    void execute(const Work& work)
+    {
+        arena_.execute(work);
+    }
+
+private:
+    int threads_;
+    tbb::global_control limit_;
+    tbb::task_arena arena_;
+};
+
 /// State of one call of render(), and rendering of the tiles of a pass.
 class Passes {
 public:
@@ -227,10 +252,7 @@ public:
           kernel_(kernel_settings(job.settings(), film.layout)),
           camera_(job.data().camera_record),
           crop_(job.settings().rendered_pixels()),
-          threads_(job.settings().threads > 0 ? job.settings().threads : available_threads()),
-          limit_(tbb::global_control::max_allowed_parallelism,
-                 std::size_t(std::max(threads_, tbb::this_task_arena::max_concurrency()))),
-          arena_(threads_)
+          arena_(job.settings().threads)
     {
         if (const std::string difference = film.key.difference(job.key()); !difference.empty())
             throw Error("", "", "the film belongs to another job: " + difference);
@@ -238,7 +260,7 @@ public:
         const auto start = std::chrono::steady_clock::now();
         arena_.execute([&] { kernel_.guiding = guiding_of(job, kernel_, cancel); });
         const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-        if (kernel_.measure && job.data().guiding) learning_s_ = seconds * threads_;
+        if (kernel_.measure && job.data().guiding) learning_s_ = seconds * arena_.threads();
     }
 
     std::uint64_t pixels() const { return std::uint64_t(crop_.x1 - crop_.x0) * std::uint64_t(crop_.y1 - crop_.y0); }
@@ -247,7 +269,7 @@ public:
     template <class Take, class Stop>
     void render(SampleRange range, const Take& take, const Stop& stop)
     {
-        const Tiles tiles(crop_, tile_size(crop_, range.second - range.first, threads_));
+        const Tiles tiles(crop_, tile_size(crop_, range.second - range.first, arena_.threads()));
         const auto render_tiles = [&](const tbb::blocked_range<std::size_t>& block) {
             Worker& worker = workers_.local();
             for (std::size_t tile = block.begin(); tile != block.end() && !stop(); ++tile) {
@@ -326,9 +348,7 @@ private:
     KernelSettings kernel_;
     const CameraRecord& camera_;
     Crop crop_;
-    int threads_;
-    tbb::global_control limit_;  ///< allows more threads than cores if they are requested
-    tbb::task_arena arena_;
+    ThreadArena arena_;
     Workers workers_;
     double learning_s_ = 0;  ///< learning time, summed over threads
 };
@@ -466,6 +486,24 @@ try {
     return true;
 } catch (const Cancelled&) {
     return false;
+}
+
+std::optional<LightTracingTrial> try_light_tracing(const RenderJob& job, const std::atomic<bool>* cancel)
+try {
+    const RenderSettings& settings = job.settings();
+    const Scene::Data& scene = job.scene().data();
+    if (!settings.light_sampling || scene.tables->lights.empty()) return LightTracingTrial{};
+    const Crop crop = settings.rendered_pixels();
+    const double rendered = double(crop.x1 - crop.x0) * (crop.y1 - crop.y0) / (double(settings.width) * settings.height);
+    ThreadArena arena(settings.threads);
+    LightTracingTrial trial;
+    arena.execute([&] {
+        trial = run_light_trial(*scene.kernel, job.data().camera_record,
+                                kernel_settings(settings, FilmLayout({}, false)), rendered, cancel);
+    });
+    return trial;
+} catch (const Cancelled&) {
+    return {};
 }
 
 Color render_sample(const RenderJob& job, int x, int y, std::uint64_t sample_index)

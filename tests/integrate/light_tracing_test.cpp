@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Light tracing: light that mirrors and glass send onto a floor, in closed form, and images that path tracing alone
 // renders, too.
+#include <atomic>
 #include <functional>
 
 #include "picture_helpers.h"
@@ -32,7 +33,7 @@ Material dielectric(float roughness = 0)
 RenderSettings traced(int width = 8, int height = 8)
 {
     RenderSettings s = small_image_settings(width, height);
-    s.light_tracing = true;
+    s.light_paths = 1;
     return s;
 }
 
@@ -223,9 +224,9 @@ std::vector<Block> blocks_of(const Film& film, int across)
 void expect_same(const SceneDescription& scene, RenderSettings settings, std::uint64_t samples = 256)
 {
     constexpr int across = 3;
-    settings.light_tracing = false;
+    settings.light_paths = 0;
     const std::vector<Block> plain = blocks_of(render_film(scene, settings, 4 * samples), across);
-    settings.light_tracing = true;
+    settings.light_paths = 1;
     ++settings.seed;
     const std::vector<Block> both = blocks_of(render_film(scene, settings, samples), across);
     double brightness = 0;
@@ -355,9 +356,9 @@ TEST(LightTracing, FiltersBlurEdgesTheSame)
         for (const double radius : {0.0, 1.4}) {
             SCOPED_TRACE(testing::Message() << "filter " << int(filter) << ", radius " << radius);
             settings.filter = filter, settings.filter_radius = radius;
-            settings.light_tracing = false;
+            settings.light_paths = 0;
             const Image plain = render_film(b.scene, settings, 4096).image(false, true);
-            settings.light_tracing = true;
+            settings.light_paths = 1;
             const Image both = render_film(b.scene, settings, 512).image(false, true);
             const auto &told = plain.find("variance")->pixels, &own = both.find("variance")->pixels;
             for (std::size_t i = 0; i < told.size(); i += 3)
@@ -427,7 +428,7 @@ TEST(LightTracing, FiltersAndCropsAreTheSame)
             expect_same(scene, settings, 256);
         }
     // A crop has the bits of the whole image.
-    settings.light_tracing = true;
+    settings.light_paths = 1;
     const Image whole = render_film(scene, settings, 4).image(false, false);
     settings.crop = Crop{3, 2, 11, 9};
     const Image part = render_film(scene, settings, 4).image(false, false);
@@ -580,7 +581,7 @@ TEST(LightTracing, LessNoiseWhereItFindsCaustics)
         return sum;
     };
     const double without = noise();
-    settings.light_tracing = true;
+    settings.light_paths = 1;
     EXPECT_LT(noise(), 0.3 * without);
 }
 
@@ -608,6 +609,83 @@ TEST(LightTracing, VarianceIsThatOfSeeds)
     // Stratified samples vary less than told.
     EXPECT_LT(actual, 1.2 * expected);
     EXPECT_GT(actual, 0.2 * expected);
+}
+
+LightTracingTrial trial_of(const SceneDescription& description, RenderSettings settings)
+{
+    Warnings warnings;
+    return try_light_tracing(RenderJob(Scene::compile(description, "", warnings), settings)).value();
+}
+
+/// A floor below a ball of glass and a small lamp; the camera sees the caustic only.
+SceneDescription caustic_of_lamp(double radius)
+{
+    SeenFloor b(100, 1);
+    b.add(Sphere{{0, 0.9, 0}, 0.4, {}}, b.material(dielectric()));
+    Material lamp;
+    lamp.kind = MaterialKind::none;
+    const float radiance = float(1 / (radius * radius));
+    lamp.emission.radiance.value = {radiance, radiance, radiance};
+    b.add(Sphere{{0.1, 2, 0.1}, radius, {}}, b.material(lamp));
+    return b.scene;
+}
+
+TEST(LightTracing, TrialUsesItForCaustics)
+{
+    const RenderSettings settings = small_image_settings(60, 60);
+    // A lamp without size lights the whole picture through the ball.
+    const LightTracingTrial spot = trial_of(Room().with_smooth_objects().with(lamps()[1].second).scene, settings);
+    EXPECT_GT(spot.light_paths, 0);
+    EXPECT_GT(spot.missing_light, 0.01);
+    const LightTracingTrial small = trial_of(caustic_of_lamp(0.03), settings);
+    EXPECT_GT(small.light_paths, 0);
+    EXPECT_GT(small.gain, 10);
+    EXPECT_EQ(small.missing_light, 0);
+    // Nothing is gained where light samples find everything.
+    const LightTracingTrial room = trial_of(Room().with_rough_objects().with_lamp().scene, settings);
+    EXPECT_EQ(room.light_paths, 0);
+    EXPECT_EQ(room.gain, 1);
+    RenderSettings without = settings;
+    without.light_sampling = false;
+    EXPECT_EQ(trial_of(caustic_of_lamp(0.03), without).light_paths, 0);
+}
+
+/// The gain that a trial tells is that of images: variance times rays.
+TEST(LightTracing, TrialTellsTheGain)
+{
+    for (const double radius : {0.1, 0.2}) {
+        const SceneDescription scene = caustic_of_lamp(radius);
+        RenderSettings settings = small_image_settings(60, 60);
+        const LightTracingTrial trial = trial_of(scene, settings);
+        ASSERT_GT(trial.light_paths, 0);
+        const auto noise = [&](double light_paths) {
+            settings.light_paths = light_paths;
+            double sum = 0;
+            const Film film = render_film(scene, settings, 256);
+            const Image image = film.image(false, true);
+            const auto &pixels = image.layers[0].pixels, &variance = image.find("variance")->pixels;
+            for (std::size_t i = 0; i < pixels.size(); ++i) sum += variance[i] / (pixels[i] * pixels[i] + 1e-3);
+            return sum;
+        };
+        const double fewer = noise(0) / noise(trial.light_paths);
+        // The trial divides the ratio of variances by that of times, at most four times as long per light path and pixel.
+        EXPECT_LT(trial.gain, 2 * fewer) << radius;
+        EXPECT_GT(trial.gain, fewer / (2 * (1 + 4 * trial.light_paths))) << radius;
+    }
+}
+
+TEST(LightTracing, TrialDoesNotDependOnThreads)
+{
+    RenderSettings settings = small_image_settings(60, 40);
+    settings.threads = 1;
+    const LightTracingTrial one = trial_of(caustic_of_lamp(0.1), settings);
+    settings.threads = 3;
+    const LightTracingTrial three = trial_of(caustic_of_lamp(0.1), settings);
+    EXPECT_EQ(one.gain, three.gain);
+    EXPECT_EQ(one.light_paths, three.light_paths);
+    std::atomic<bool> cancel = true;
+    Warnings warnings;
+    EXPECT_FALSE(try_light_tracing(RenderJob(Scene::compile(caustic_of_lamp(0.1), "", warnings), settings), &cancel));
 }
 
 TEST(LightTracing, BitsDoNotDependOnThreadsAndParts)

@@ -373,14 +373,14 @@ class Picture(CommandLine):
                 text = self.ok("render", name + ".json", "--size", "16x12", "--spp", "2", "-o", "x.exr", *options, program=PROGRAM).stderr
                 for line in (note, warning):
                     self.assertEqual(line in text, line == words, text)
-                word = b"fathom.light_tracing\0string\0" + len(caustics).to_bytes(4, "little") + caustics.encode()
+                word = b"fathom.light_paths\0string\0\1\0\0\0" + (b"1" if caustics == "on" else b"0")
                 self.assertIn(word, Path(self.path("x.exr")).read_bytes())
         common = ["render", "ball.json", "--size", "16x12"]
         self.ok(*common, "--samples", "0:3", "-o", "a.exr", program=PROGRAM)
         self.ok(*common, "--samples", "3:6", "-o", "b.exr", program=PROGRAM)
         self.ok("merge", "a.exr", "b.exr", "-o", "all.exr", program=PROGRAM)
         self.ok(*common, "--samples", "6:8", "--caustics", "off", "-o", "c.exr", program=PROGRAM)
-        self.refused(1, "merge", "all.exr", "c.exr", "-o", "x.exr", words=["c.exr", "light_tracing is 0, not 1"], program=PROGRAM)
+        self.refused(1, "merge", "all.exr", "c.exr", "-o", "x.exr", words=["c.exr", "light_paths is 0x0p+0"], program=PROGRAM)
 
     def test_only_sample(self):
         result = self.ok("render", "box.json", "--only-sample", "12,34,56")
