@@ -120,17 +120,6 @@ void read_cone(const JsonValue& spot, Light& light)
         spot.fail("must satisfy 0 <= innerConeAngle <= outerConeAngle <= pi/2");
 }
 
-/// Entry of the lights of an extension. what: such a light in messages.
-JsonValue light_of(const JsonValue& root, const char* extension_name, const char* what, const JsonValue& index)
-{
-    const auto extensions = root.get("extensions");
-    const auto extension = extensions ? extensions->get(extension_name) : std::nullopt;
-    const auto lights = extension ? extension->get("lights") : std::nullopt;
-    if (!lights || index.count() >= lights->array().size())
-        index.fail(fmt::format("there is no {} {}", what, index.count()));
-    return (*lights)[index.count()];
-}
-
 }  // namespace
 
 /// Reads a light of KHR_lights_punctual.
@@ -138,7 +127,12 @@ int GltfReader::light(const JsonValue& index)
 {
     const auto [found, is_new] = lights_.try_emplace(index.count(), int(scene_.lights.size()));
     if (!is_new) return found->second;
-    const JsonValue v = light_of(file_.root(), "KHR_lights_punctual", "light", index);
+    const auto extensions = file_.root().get("extensions");
+    const auto extension = extensions ? extensions->get("KHR_lights_punctual") : std::nullopt;
+    const auto lights = extension ? extension->get("lights") : std::nullopt;
+    if (!lights || index.count() >= lights->array().size())
+        index.fail(fmt::format("there is no light {}", index.count()));
+    const JsonValue v = (*lights)[index.count()];
     v.object();
 
     Light light;
@@ -162,7 +156,12 @@ void GltfReader::read_environment(const JsonValue& reference)
 {
     if (!reference.has("light")) reference.fail("key 'light' is missing");
     const JsonValue index = reference["light"];
-    const JsonValue v = light_of(file_.root(), "EXT_lights_image_based", "image-based light", index);
+    const auto extensions = file_.root().get("extensions");
+    const auto extension = extensions ? extensions->get("EXT_lights_image_based") : std::nullopt;
+    const auto lights = extension ? extension->get("lights") : std::nullopt;
+    if (!lights || index.count() >= lights->array().size())
+        index.fail(fmt::format("there is no image-based light {}", index.count()));
+    const JsonValue v = (*lights)[index.count()];
     const auto images = v.get("specularImages");
     if (!images || images->array().size() == 0) v.fail("key 'specularImages' is missing, or empty");
     const JsonValue faces = (*images)[0];
