@@ -47,8 +47,8 @@ LitScene build(const RenderOptions& o, LoadedScene& loaded, RenderPlan& plan, st
     }();
     if (o.series.frames.size() < 2 || o.series.turntable > 0) edit.reset();
     apply_light(lit, o.images, plan.settings, plan.write.display, reporter);
-    decide_on_caustics(lit, {o.scene.file.string(), o.settings.caustics, is_worth_a_trial(plan)}, plan.settings, warnings,
-                       reporter);
+    decide_on_caustics(lit, {o.scene.file.string(), o.settings.caustics, is_worth_a_trial(plan)}, plan.settings,
+                       warnings, reporter);
     return lit;
 }
 

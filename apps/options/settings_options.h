@@ -15,7 +15,7 @@ struct SettingsOptions {
     std::optional<int> max_depth, roulette_depth;  ///< a max_depth of -1 is unlimited
     std::optional<bool> light_sampling;
     LightSelection light_selection = LightSelection::tree;
-    std::optional<bool> guiding;        ///< none: the command decides
+    std::optional<bool> guiding;   ///< none: the command decides
     std::optional<bool> caustics;  ///< none: the command decides
     std::optional<Filter> filter;
     std::optional<double> filter_radius;

@@ -131,7 +131,7 @@ RenderPlan make_plan(const RenderOptions& o, const LoadedScene& loaded, std::opt
 
 bool is_worth_a_trial(const RenderPlan& plan)
 {
-    return is_long(plan, 1 << 24, 8, 20);
+    return is_long(plan, 1 << 25, 8, 30);
 }
 
 void check_film_memory(const RenderPlan& plan)

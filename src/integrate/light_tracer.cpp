@@ -531,7 +531,7 @@ private:
     MediumStage walk_;
     ShadowQueue shadows_;
     Column<float> film_x_, film_y_, film_u_, film_v_;  ///< of the connections: positions in the image, random numbers
-    Column<float> path_ratio_;  ///< LightSplat::path_ratio of the connections
+    Column<float> path_ratio_;                         ///< LightSplat::path_ratio of the connections
     std::size_t connections_ = 0;
     PathPool connection_rays_;  ///< from the camera: throughput holds the light, exit_offset the distance
     HitColumns connection_hits_;

@@ -18,17 +18,18 @@ namespace {
 /// The trial's image has about this number of pixels.
 constexpr double trial_pixels = 5000;
 /// Sets of stratified samples with independent random numbers, and samples per set.
-constexpr std::size_t sets = 8, set_samples = 4;
-constexpr std::size_t samples = sets * set_samples;
-constexpr std::uint32_t pixels_per_job = 512, light_paths_per_job = 4096;
+constexpr std::size_t trial_sets = 8, set_samples = 4;
+constexpr std::size_t trial_samples = trial_sets * set_samples;
+constexpr std::uint32_t trial_pixels_per_job = 512, trial_light_paths_per_job = 4096;
 /// Numbers of light paths per pixel among which the trial chooses.
 constexpr double choices[] = {0.25, 1, 4};
-/// Measured cost of a ray of a light path, with its share of shading and splats, relative to one of a camera path.
-constexpr double light_ray_cost = 1.8;
+/// Measured cost of a ray of a light path, with its part of shading and splats, relative to one of a camera path.
+/// Without a BVH rays cost little, so that the rest counts for more.
+constexpr double light_ray_cost = 1.8, light_ray_cost_without_tree = 4;
 /// Cost of a ray of the loop for quads alone, which does without the weights that light tracing needs.
 constexpr double quad_ray_cost = 0.3;
 /// The estimate is uncertain, so light tracing must promise this gain.
-constexpr double min_gain = 1.15;
+constexpr double least_gain = 1.3;
 /// Fraction of the image's light, missing without light tracing, for which it is always used.
 constexpr double max_missing = 1e-3;
 
@@ -48,8 +49,7 @@ struct TrialImage {
         settings.measure = false;
         settings.light_paths = std::uint32_t(settings.width) * std::uint32_t(settings.height);
         for (int y = 0; y < settings.height; ++y)
-            for (int x = 0; x < settings.width; ++x)
-                pixels.push_back(std::uint32_t(y) << 16 | std::uint32_t(x));
+            for (int x = 0; x < settings.width; ++x) pixels.push_back(std::uint32_t(y) << 16 | std::uint32_t(x));
     }
     std::size_t index(std::uint32_t pixel) const
     {
@@ -78,13 +78,13 @@ struct CameraStatistics {
 CameraStatistics trace_camera_paths(const KernelScene& scene, const CameraRecord& camera, const TrialImage& image,
                                     const std::atomic<bool>* cancel)
 {
-    const std::size_t count = image.pixels.size(), jobs = (count + pixels_per_job - 1) / pixels_per_job;
-    std::vector<std::vector<float>> means(sets, std::vector<float>(count));
-    std::vector<double> rays(sets * jobs);
-    tbb::parallel_for(std::size_t(0), sets * jobs, [&](std::size_t i) {
+    const std::size_t count = image.pixels.size(), jobs = (count + trial_pixels_per_job - 1) / trial_pixels_per_job;
+    std::vector<std::vector<float>> means(trial_sets, std::vector<float>(count));
+    std::vector<double> rays(trial_sets * jobs);
+    tbb::parallel_for(std::size_t(0), trial_sets * jobs, [&](std::size_t i) {
         if (cancel && *cancel) return;
-        const std::size_t set = i / jobs, first = i % jobs * pixels_per_job,
-                          size = std::min<std::size_t>(pixels_per_job, count - first);
+        const std::size_t set = i / jobs, first = i % jobs * trial_pixels_per_job,
+                          size = std::min<std::size_t>(trial_pixels_per_job, count - first);
         TileSums sums;
         sums.reset(size, image.settings.film_words);
         KernelCounters counters;
@@ -104,7 +104,7 @@ CameraStatistics trace_camera_paths(const KernelScene& scene, const CameraRecord
     });
     CameraStatistics result{pixel_variances(means, 1), 0};
     for (PixelVariance& p : result.pixels) p.variance *= double(set_samples);
-    for (const double r : rays) result.rays += r / double(samples);
+    for (const double r : rays) result.rays += r / double(trial_samples);
     return result;
 }
 
@@ -140,23 +140,23 @@ LightStatistics trace_light(const KernelScene& scene, const CameraRecord& camera
                             const std::atomic<bool>* cancel)
 {
     const std::uint32_t paths = image.settings.light_paths,
-                        jobs = (paths + light_paths_per_job - 1) / light_paths_per_job;
-    std::vector<std::vector<LightSplat>> splats(samples * jobs);
+                        jobs = (paths + trial_light_paths_per_job - 1) / trial_light_paths_per_job;
+    std::vector<std::vector<LightSplat>> splats(trial_samples * jobs);
     std::vector<double> rays(splats.size());
     tbb::parallel_for(std::size_t(0), splats.size(), [&](std::size_t i) {
         if (cancel && *cancel) return;
-        const std::uint32_t first = std::uint32_t(i) % jobs * light_paths_per_job;
+        const std::uint32_t first = std::uint32_t(i) % jobs * trial_light_paths_per_job;
         KernelCounters counters;
-        trace_light_paths(scene, camera, image.salted(sets),
-                          {std::uint32_t(i) / jobs, first, std::min(light_paths_per_job, paths - first)}, splats[i],
-                          counters);
+        trace_light_paths(scene, camera, image.salted(trial_sets),
+                          {std::uint32_t(i) / jobs, first, std::min(trial_light_paths_per_job, paths - first)},
+                          splats[i], counters);
         rays[i] = double(counters.costs.all_rays());
     });
     LightStatistics result{std::vector<SplatSums>(image.pixels.size()), 0};
     for (const std::vector<LightSplat>& list : splats)
         for (const LightSplat& splat : list)
             if (std::isfinite(brightness(splat.value))) result.pixels[image.index(splat.pixel)].add(splat);
-    for (const double r : rays) result.rays += r / double(samples);
+    for (const double r : rays) result.rays += r / double(trial_samples);
     return result;
 }
 
@@ -183,8 +183,8 @@ LightTracingTrial run_light_trial(const KernelScene& scene, const CameraRecord& 
     double total = 0, missing = 0;
     std::vector<PixelVariance> bright = paths.pixels;
     for (std::size_t i = 0; i < bright.size(); ++i) {
-        bright[i].mean += light.pixels[i].found / double(samples);
-        total += bright[i].mean, missing += light.pixels[i].missing / double(samples);
+        bright[i].mean += light.pixels[i].found / double(trial_samples);
+        total += bright[i].mean, missing += light.pixels[i].missing / double(trial_samples);
     }
     LightTracingTrial trial;
     if (!(total > 0)) return trial;
@@ -192,8 +192,9 @@ LightTracingTrial run_light_trial(const KernelScene& scene, const CameraRecord& 
     const std::vector<double> squares = squared_brightness(bright);
     constexpr std::size_t traced = 1;  // the choice that the trial's image was rendered with
     static_assert(choices[traced] == 1);
-    const double n = double(samples);
-    const double ray_cost = scene.has_quad_loop() ? quad_ray_cost : 1;
+    const double n = double(trial_samples);
+    const double ray_cost = scene.has_quad_loop() ? quad_ray_cost : 1,
+                 light_cost = scene.has_tree() ? light_ray_cost : light_ray_cost_without_tree;
     const double alone = relative_noise(paths, light, squares, [&](const PixelVariance& p, const SplatSums& s) {
         return p.variance + (s.alone - s.left[traced]) / n;
     });
@@ -201,13 +202,13 @@ LightTracingTrial run_light_trial(const KernelScene& scene, const CameraRecord& 
         const double both = relative_noise(paths, light, squares, [&](const PixelVariance& p, const SplatSums& s) {
             return p.variance + (s.left[k] - s.left[traced] + s.light[k]) / n;
         });
-        const double cost = (paths.rays * rendered + choices[k] * light_ray_cost * light.rays) /
-                            (paths.rays * rendered * ray_cost);
+        const double cost =
+            (paths.rays * rendered + choices[k] * light_cost * light.rays) / (paths.rays * rendered * ray_cost);
         const double gain = alone / std::max(both * cost, 1e-30);
         if (trial.light_paths > 0 && gain <= trial.gain) continue;
         trial.gain = gain, trial.light_paths = choices[k];
     }
-    if (trial.gain < min_gain && trial.missing_light < max_missing) trial = {0, 1, trial.missing_light};
+    if (trial.gain < least_gain && trial.missing_light < max_missing) trial = {0, 1, trial.missing_light};
     return trial;
 }
 

@@ -49,7 +49,8 @@ KernelSettings kernel_settings(const RenderSettings& s, const FilmLayout& layout
     k.light_sampling = s.light_sampling;
     k.light_selection = s.light_selection;
     k.measure = s.measure_stages;
-    if (s.light_sampling) k.light_paths = std::uint32_t(std::min(std::ceil(s.light_paths * s.width * s.height), 0x1p31));
+    if (s.light_sampling)
+        k.light_paths = std::uint32_t(std::min(std::ceil(s.light_paths * s.width * s.height), 0x1p31));
     k.clamp_indirect = s.clamp_indirect.value_or(0);
     k.filter = std::uint32_t(s.filter);
     if (s.filter_radius > 0) k.filter_stretch = float(s.filter_radius / filter_radii[k.filter]);
@@ -494,7 +495,8 @@ try {
     const Scene::Data& scene = job.scene().data();
     if (!settings.light_sampling || scene.tables->lights.empty()) return LightTracingTrial{};
     const Crop crop = settings.rendered_pixels();
-    const double rendered = double(crop.x1 - crop.x0) * (crop.y1 - crop.y0) / (double(settings.width) * settings.height);
+    const double rendered =
+        double(crop.x1 - crop.x0) * (crop.y1 - crop.y0) / (double(settings.width) * settings.height);
     ThreadArena arena(settings.threads);
     LightTracingTrial trial;
     arena.execute([&] {
