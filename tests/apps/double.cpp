@@ -292,6 +292,11 @@ bool render(const RenderJob& job, SampleRange range, Film& film, const std::atom
     if (data.dropped > 0) data.invalid_sample = Film::SampleLocation{7, 8, 9};
     return true;
 }
+std::optional<LightTracingTrial> try_light_tracing(const RenderJob&, const std::atomic<bool>*)
+{
+    return LightTracingTrial{};
+}
+
 Color render_sample(const RenderJob&, int x, int y, std::uint64_t sample)
 {
     return {float(x), float(y), float(sample)};
