@@ -51,7 +51,7 @@ FATHOM_API bool render_pass(const RenderJob& job, SampleRange range, Film& film,
 struct LightTracingTrial {
     double light_paths = 0;  ///< Recommended RenderSettings::light_paths; 0: light tracing does not pay.
     /// Efficiency with that number of light paths relative to path tracing alone: how much less time it takes to render
-    /// with the same noise. An estimate.
+    /// with the same noise. The estimate is up to three times too high.
     double gain = 1;
     /// Fraction of the image's light that path tracing alone cannot find.
     double missing_light = 0;

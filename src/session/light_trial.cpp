@@ -28,8 +28,8 @@ constexpr double choices[] = {0.25, 1, 4};
 constexpr double light_ray_cost = 1.8, light_ray_cost_without_tree = 4;
 /// Cost of a ray of the loop for quads alone, which does without the weights that light tracing needs.
 constexpr double quad_ray_cost = 0.3;
-/// The estimate is uncertain, so light tracing must promise this gain.
-constexpr double least_gain = 1.3;
+/// Light tracing must promise this gain: the estimate is up to three times too high.
+constexpr double least_gain = 2.5;
 /// Fraction of the image's light, missing without light tracing, for which it is always used.
 constexpr double max_missing = 1e-3;
 
@@ -108,24 +108,39 @@ CameraStatistics trace_camera_paths(const KernelScene& scene, const CameraRecord
     return result;
 }
 
-/// Sums over the splats of a pixel, per sample index. C is what a light path would bring without a weight.
+/// First and second moments of what path tracing finds.
+struct Moments {
+    double first = 0, second = 0;
+
+    void add(double value, double square) { first += value, second += square; }
+    /// Variance per sample, from sums over all samples of the trial.
+    double variance() const
+    {
+        const double n = double(trial_samples);
+        return second / n - first / n * (first / n);
+    }
+};
+
+/// Sums over the splats of a pixel. C is what a light path would bring without a weight.
 struct SplatSums {
     double found = 0;    ///< what light paths bring, weighted
     double missing = 0;  ///< of paths that path tracing cannot find
-    double alone = 0;    ///< second moment of path tracing alone for these paths: C^2 (light density / path density)
-    double left[std::size(choices)] = {};   ///< of path tracing beside light tracing
+    Moments alone;       ///< of path tracing alone for these paths: C, and C^2 (light density / path density)
+    Moments left[std::size(choices)];       ///< of path tracing beside light tracing
     double light[std::size(choices)] = {};  ///< second moment of light tracing
 
     void add(const LightSplat& splat)
     {
         const double value = brightness(splat.value), ratio = double(splat.path_ratio), all = value * (1 + ratio);
         found += value;
-        if (!(ratio > 0)) missing += value;
-        const double density = ratio > 0 ? 1 / std::sqrt(ratio) : 0, square = all * all;
-        if (ratio > 0) alone += square * density;
+        const double square = all * all, by_path = ratio > 0 ? square / std::sqrt(ratio) : 0;
+        if (ratio > 0)
+            alone.add(all, by_path);
+        else
+            missing += value;
         for (std::size_t i = 0; i < std::size(choices); ++i) {
-            const double now = ratio / (choices[i] * choices[i]), weight = 1 / (1 + now);
-            left[i] += square * density * (1 - weight) * (1 - weight);
+            const double now = ratio / (choices[i] * choices[i]), weight = 1 / (1 + now), rest = 1 - weight;
+            left[i].add(all * rest, by_path * rest * rest);
             light[i] += square * weight * weight / choices[i];
         }
     }
@@ -192,15 +207,14 @@ LightTracingTrial run_light_trial(const KernelScene& scene, const CameraRecord& 
     const std::vector<double> squares = squared_brightness(bright);
     constexpr std::size_t traced = 1;  // the choice that the trial's image was rendered with
     static_assert(choices[traced] == 1);
-    const double n = double(trial_samples);
     const double ray_cost = scene.has_quad_loop() ? quad_ray_cost : 1,
                  light_cost = scene.has_tree() ? light_ray_cost : light_ray_cost_without_tree;
     const double alone = relative_noise(paths, light, squares, [&](const PixelVariance& p, const SplatSums& s) {
-        return p.variance + (s.alone - s.left[traced]) / n;
+        return p.variance + s.alone.variance() - s.left[traced].variance();
     });
     for (std::size_t k = 0; k < std::size(choices); ++k) {
         const double both = relative_noise(paths, light, squares, [&](const PixelVariance& p, const SplatSums& s) {
-            return p.variance + (s.left[k] - s.left[traced] + s.light[k]) / n;
+            return p.variance + s.left[k].variance() - s.left[traced].variance() + s.light[k] / double(trial_samples);
         });
         const double cost =
             (paths.rays * rendered + choices[k] * light_cost * light.rays) / (paths.rays * rendered * ray_cost);

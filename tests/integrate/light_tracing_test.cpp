@@ -653,7 +653,7 @@ TEST(LightTracing, TrialUsesItForCaustics)
 /// The gain that a trial tells is that of images: variance times rays.
 TEST(LightTracing, TrialTellsTheGain)
 {
-    for (const double radius : {0.1, 0.2}) {
+    for (const double radius : {0.05, 0.1}) {
         const SceneDescription scene = caustic_of_lamp(radius);
         RenderSettings settings = small_image_settings(60, 60);
         const LightTracingTrial trial = trial_of(scene, settings);
