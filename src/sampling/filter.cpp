@@ -27,7 +27,7 @@ void tabulate(FilterTable& table, double radius, F f)
         table.inverse[i] = float(radius * ((at + part) / steps - 1));
     }
     const double integral = 2 * sum[steps] * radius / steps;
-    table.radius = float(radius);
+    table.half_width = float(radius);
     constexpr int last = FilterTable::density_size;
     for (int i = 0; i <= last; ++i) table.density_at[i] = float(f(-radius * i / last) / integral);
 }

@@ -32,14 +32,14 @@ struct FilterTable {
         const Float offset = fma(x - to_float(i), hi - lo, lo);
         return select(right, -offset, offset);
     }
-    /// Radius in pixels, and the filter itself, with an integral of 1: values at even distances from 0 to the radius.
-    float radius;
+    /// Half width in pixels, and the filter itself, with an integral of 1: values at even distances up to the half width.
+    float half_width;
     static constexpr int density_size = 1024;
     float density_at[density_size + 1];
     /// Value of the filter at an offset from the pixel's center.
     float density(float offset) const
     {
-        const float x = (offset < 0 ? -offset : offset) * (float(density_size) / radius);
+        const float x = (offset < 0 ? -offset : offset) * (float(density_size) / half_width);
         if (!(x < float(density_size))) return 0;
         const int i = int(x);
         return density_at[i] + (x - float(i)) * (density_at[i + 1] - density_at[i]);

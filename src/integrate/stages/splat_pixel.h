@@ -15,7 +15,7 @@ public:
     SplatPixel(const LaneScene& scene, const KernelSettings& settings)
         : filter_(settings.filter == 0 ? nullptr : &scene.filters[settings.filter - 1]),
           stretch_(settings.filter_stretch),
-          radius_((filter_ ? filter_->radius : 0.5f) * settings.filter_stretch),
+          radius_((filter_ ? filter_->half_width : 0.5f) * settings.filter_stretch),
           width_(settings.width),
           height_(settings.height)
     {
