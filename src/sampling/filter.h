@@ -32,7 +32,8 @@ struct FilterTable {
         const Float offset = fma(x - to_float(i), hi - lo, lo);
         return select(right, -offset, offset);
     }
-    /// Half width in pixels, and the filter itself, with an integral of 1: values at even distances up to the half width.
+    /// Half width in pixels, and the filter itself, scaled to an integral of 1: its values at even distances up to the
+    /// half width.
     float half_width;
     static constexpr int density_size = 1024;
     float density_at[density_size + 1];
