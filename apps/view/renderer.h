@@ -20,11 +20,11 @@ namespace fathom::view {
 
 /// An image for the window.
 struct Frame {
-    std::uint64_t move = 0;  ///< samples per pixel, and their final number
+    std::uint64_t move = 0;  ///< number of the latest Renderer::move that the frame shows
     View view = View::image;
     int width = 0, height = 0;
     bool full_size = false, denoised = false;
-    std::uint64_t samples = 0, samples_end = 0;  ///< per pixel
+    std::uint64_t samples = 0, samples_end = 0;  ///< samples per pixel, and their final number
     double samples_per_s = 0;                    ///< pixels times samples
     Image image;
     DisplayScale scale;  ///< the scale that made `pixels`

@@ -27,8 +27,8 @@ enum class AnimatedProperty {
     rotation,     ///< Rotation as a quaternion x, y, z, w, which is normalized (4 floats).
     scale,        ///< Scale factors along the axes of the node (3 floats).
     weights,      ///< Weights of the morph targets of the node's mesh (one float each).
-    visible,      ///< Properties of a material. Values are clamped to their valid range.
-    // Of a material. Values are clamped to their valid range.
+    visible,      ///< 0 hides the node and everything below it (1 float).
+    // Properties of a material. Values are clamped to their valid range.
     base_color,    ///< Linear base color and alpha (4 floats).
     metallic,      ///< Material::metallic, 0 to 1 (1 float).
     roughness,     ///< Material::roughness, 0 to 1 (1 float).

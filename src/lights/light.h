@@ -22,9 +22,10 @@ struct LightSample {
                         ///< light; 1 for delta lights; 0: no light arrives
     Spectrum radiance;  ///< unoccluded incident radiance (delta lights: irradiance at normal incidence)
     Mask is_delta;      ///< delta light, or one that BSDF sampling can't hit: MIS weight 1
-    /// approximate luminance of that environment radiance, for decisions before it is looked up
+    /// Lanes whose radiance must be multiplied by that of the environment along wi if the ray is unoccluded; see
+    /// LightSampler.
     Mask needs_environment_radiance = Mask(false);
-    Float likely = Float(1);  ///< approximate luminance of that environment radiance
+    Float likely = Float(1);  ///< approximate luminance of that environment radiance, before it is looked up
     UInt light = UInt(0u);    ///< index of the light
 };
 

@@ -11,7 +11,7 @@ namespace fathom {
 
 namespace {
 
-/// Checks the size and the values of a table.
+/// Largest value of a table, so that products of a few values don't overflow a float, and its largest width.
 constexpr float largest_value = 1e10f;
 constexpr int widest = 1 << 12;
 

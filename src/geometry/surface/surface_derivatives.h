@@ -6,7 +6,7 @@
 namespace fathom {
 inline namespace FATHOM_LANES {
 
-/// 0 if unknown
+/// Two vectors along a surface, and the change of texture coordinates along each, for the slopes of textures.
 struct SurfaceDerivatives {
     Vec3 way[2];               ///< 0 where unknown
     Float du[2][2], dv[2][2];  ///< change of u and v by vector and texture coordinate set

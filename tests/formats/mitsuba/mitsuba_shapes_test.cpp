@@ -75,8 +75,8 @@ TEST_F(Mitsuba, NormalsOfMeshes)
     EXPECT_EQ(flipped.indices[1], smooth.indices[2]);
 }
 
-/// Which sides emit and reflect agrees with Mitsuba 3.9.1: meshes with normals use their normals; other meshes use the
-/// winding in world space (counterclockwise seen from the front); mirrored spheres are inside out.
+/// The sides that emit and reflect are those of Mitsuba 3.9.1: meshes with normals use their normals; other meshes use
+/// the winding in world space (counterclockwise seen from the front); mirrored spheres are inside out.
 TEST_F(Mitsuba, FrontsOfMirroredShapes)
 {
     const std::string corners = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";

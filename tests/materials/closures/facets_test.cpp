@@ -3,7 +3,7 @@
 #include "materials/facet_checks.h"
 #include "materials/facet_reference.h"
 
-// Transmittance of a microfacet boundary for a direction, integrated over the distribution of normals.
+// Tests of microfacets with separable shadowing-masking, and of those treated as mirrors, in every closure.
 namespace fathom::test {
 namespace {
 
@@ -33,7 +33,7 @@ double fresnel(double cosine, double ior, double& beyond)
     return (p * p + s * s) / 2;
 }
 
-/// Slopes are stratified by projected area, with finer strata for steep slopes.
+/// Transmittance of a microfacet boundary for a direction, integrated over the distribution of normals.
 double transmittance(double z, double alpha, bool is_beckmann, double ior)
 {
     constexpr int slopes = 400, turns = 200;
