@@ -16,6 +16,7 @@ A rule of tests/planted/rules/MODULE.json has the keys
     isa      optional instruction set other than base, if the bug depends on the number of lanes
 """
 import argparse
+import fnmatch
 import hashlib
 import json
 import os
@@ -78,12 +79,34 @@ def plant(rule, root):
     return planted
 
 
+def tests_in_sources():
+    """Returns the names Suite.Test of all GoogleTest tests; those with parameters are Instance/Suite.Test."""
+    texts = [path.read_text() for path in sorted((ROOT / "tests").rglob("*.[ch]*")) if path.suffix in (".h", ".cpp")]
+    tests = [found for text in texts for found in re.findall(r"\bTEST(?:_[FP])?\(\s*(\w+),\s*(\w+)\)", text)]
+    instances = [found for text in texts for found in re.findall(r"INSTANTIATE_TEST_SUITE_P\(\s*(\w+),\s*(\w+)", text)]
+    names = {f"{suite}.{test}" for suite, test in tests}
+    return names | {f"{instance}/{suite}.{test}" for instance, of in instances for suite, test in tests if suite == of}
+
+
+def check_tests(rule, tests):
+    """Raises RuleError if the rule names tests that do not exist: with them it could not be caught."""
+    for pattern in filter(None, rule["gtest"].split(":")):
+        # Tests with parameters have a number or name after a slash.
+        if not any(fnmatch.fnmatchcase(name, pattern) or fnmatch.fnmatchcase(name + "/", pattern) for name in tests):
+            raise RuleError(f"no test is named like '{pattern}'")
+    # Other names than Suite.Test are those of ctest, which are known after a build only.
+    suite = re.match(r"\^([A-Z]\w+)\\\.", rule["tests"])
+    if suite and not any(name.startswith(suite[1] + ".") for name in tests):
+        raise RuleError(f"no test suite is named {suite[1]}")
+
+
 def check(rules):
-    """Returns exit status 0 if every rule matches the sources; builds nothing."""
-    errors = 0
+    """Returns exit status 0 if every rule matches the sources and names tests that exist; builds nothing."""
+    errors, tests = 0, tests_in_sources()
     for rule in rules:
         try:
             plant(rule, ROOT)
+            check_tests(rule, tests)
         except RuleError as error:
             print(f"{rule['module']}: {rule['id']}: {error}")
             errors += 1
