@@ -47,7 +47,7 @@ FATHOM_API bool render(const RenderJob& job, SampleRange range, Film& film, cons
 /// changing the film, if it belongs to another job, has some of the samples already, or the range is invalid.
 FATHOM_API bool render_pass(const RenderJob& job, SampleRange range, Film& film, const std::atomic<bool>& cancel);
 
-/// What a trial found about light tracing in a scene.
+/// Result of try_light_tracing().
 struct LightTracingTrial {
     double light_paths = 0;  ///< Recommended RenderSettings::light_paths; 0: light tracing does not pay.
     /// Efficiency with that number of light paths relative to path tracing alone: how much less time it takes to render

@@ -73,7 +73,7 @@ public:
             active = process_hits(active);
             std::swap(paths_, spare_);
             shade(active);
-            active = retire(active);
+            active = remove_dead_paths(*paths_, columns_, active, ended_, [](const auto&, std::size_t) {});
         }
     }
 
@@ -130,8 +130,7 @@ private:
         p.media.low.append(size, media.low(), m), p.media.high.append(size, media.high(), m);
         p.number.append(size, e.light, m);
         p.walk_steps.append(size, UInt(0u), m);
-        p.walk_extinction.append(size, Spectrum(Float(-1)), m);
-        p.walk_albedo.append(size, Spectrum(Float(0)), m);
+        if (columns_.has(PathColumn::walk_coefficients)) forget_medium(p, size);
         p.connection.append(size, Float(no_vertex), m);
         p.scatter_pdf.append(size, Float(0), m);
         size += std::size_t(count(m));
@@ -222,17 +221,8 @@ private:
     Vertex load_vertex(std::size_t i, Mask valid) const
     {
         const PathPool& p = *paths_;
-        const HitColumns& hits = sorter_.hits();
         const UInt state = p.state.load(i), bounce = state & UInt(PathPool::bounce_mask);
-        const SurfaceHit hit{p.origin.load(i),
-                             p.direction.load(i),
-                             hits.t.load(i),
-                             hits.u.load(i),
-                             hits.v.load(i),
-                             scene_.has(Feature::motion) ? p.time.load(i) : Float(0),
-                             hits.primitive.load(i),
-                             scene_.is_flat ? UInt(no_index) : hits.instance.load(i),
-                             scene_.has(Feature::mixtures) ? hits.material.load(i) : UInt(no_index)};
+        const SurfaceHit hit = load_hit(scene_, p, sorter_.hits(), i);
         MediumStack media;
         if (scene_.has(Feature::media_stacks)) media = p.media.load(i);
         const Mask first = valid & (p.connection.load(i) < Float(0));
@@ -290,8 +280,9 @@ private:
         return eval_for_light(closure, seen.wo, wi, v.unhittable);
     }
 
-    /// What the weight needs of the light's end of the path, at the first vertex; scatter_pdf: of the path tracer's
-    /// closure toward the light, 0 for delta lobes.
+    /// light_end() of paths at their first vertex. scatter_pdf: density with which the path tracer samples the
+    /// direction of the light by the closure. is_delta: lanes where it scatters by a delta lobe, so that it samples no
+    /// light.
     Float light_end_of(const Vertex& v, const Vec3& eye, Float scatter_pdf, Mask is_delta) const
     {
         const Vec3 wi = -v.hit.d;
@@ -356,12 +347,14 @@ private:
         const UInt path = iota() + UInt(std::uint32_t(v.i));
         const Mask beyond = Closure::transmits ? dot(c.d, at.ng) > Float(0) : Mask(false);
         const MediumStack media = select(beyond, at.media_beyond, at.media);
+        // Rays that pass surfaces are attenuated segment by segment when they are traced.
+        const bool passes = !traces_from_camera() && scene_.has(Feature::transmissive_shadows);
+        if (scene_.has(Feature::attenuation) && !passes) {
+            const UInt medium = media.current();
+            const Spectrum extinction = gather(tables_.media, &MediumRecord::extinction, medium, m);
+            light = light * select(medium == UInt(0u), Spectrum(Float(1)), transmittance(extinction, distance));
+        }
         if (traces_from_camera()) {
-            if (scene_.has(Feature::attenuation)) {
-                const UInt medium = media.current();
-                const Spectrum extinction = gather(tables_.media, &MediumRecord::extinction, medium, m);
-                light = light * select(medium == UInt(0u), Spectrum(Float(1)), transmittance(extinction, distance));
-            }
             PathPool& to = connection_rays_;
             to.origin.append(connections_, c.lens, m);
             to.direction.append(connections_, -(way * (Float(1) / distance)), m);
@@ -373,16 +366,10 @@ private:
             return;
         }
         const Ray ray{start, way * (Float(1) / distance), distance, v.hit.time};
-        if (scene_.has(Feature::transmissive_shadows))
+        if (passes)
             shadows_.push(ray, light, media, path, Mask(false), m);
-        else {
-            if (scene_.has(Feature::attenuation)) {
-                const UInt medium = media.current();
-                const Spectrum extinction = gather(tables_.media, &MediumRecord::extinction, medium, m);
-                light = light * select(medium == UInt(0u), Spectrum(Float(1)), transmittance(extinction, distance));
-            }
+        else
             shadows_.push(ray, light, path, Mask(false), m);
-        }
     }
 
     /// Traces the connections from the camera; those that reach their vertex bring their light.
@@ -428,14 +415,10 @@ private:
             choose_channel(v.random.key, v.random.seed, at.material, ignored);
         const Closure closure(at.material);
         const Scattered next = scatter(closure, at, Guidance{}, v.random, Spectrum(Float(1)));
-        Mask undeflected(false), no_bounce(false);
-        if (Closure::kind == ClosureKind::glass && scene_.has(Feature::transmissive_shadows)) {
-            const Mask may_pass = v.valid & (v.hit.material == UInt(no_index));
-            const PassedInterface there =
-                classify_interface(scene_, materials_, at.material_index, at.skips_interface, may_pass);
-            undeflected = (there.pane & (dot(next.wi, at.ng) < Float(0))) | there.open;
-            no_bounce = there.no_bounce & undeflected;
-        }
+        UndeflectedPaths passing;
+        if (passes_interfaces<Closure>(scene_))
+            passing = find_undeflected(scene_, materials_, at, v.hit, next.wi, v.valid);
+        const auto [undeflected, no_bounce] = passing;
         ShadingPoint<Closure> seen = seen_from(v, at, next.wi, Float(1));
         Spectrum throughput = v.throughput;
         Mask continues = v.valid & any_positive(next.throughput) & !next.enters_subsurface;
@@ -482,22 +465,6 @@ private:
         p.origin.store(i, start, v.valid);
         p.direction.store(i, next.wi, v.valid);
         p.throughput.store(i, throughput, v.valid);
-    }
-
-    /// Removes the paths that ended; the last paths of the pool fill their places. Returns the number of paths left.
-    std::size_t retire(std::size_t active)
-    {
-        PathPool& p = *paths_;
-        std::size_t dead = 0;
-        for (std::size_t i = 0; i < active; i += lanes)
-            append_indices(first_lanes(active - i) & ((p.state.load(i) & UInt(PathPool::dead)) != UInt(0u)), i, ended_,
-                           dead);
-        while (dead > 0) {
-            const std::size_t i = ended_[--dead];
-            if (i == --active) continue;
-            PathPool::for_each_live_column(p, p, columns_, [&](auto& column, auto&) { column[i] = column[active]; });
-        }
-        return active;
     }
 
     /// Separates the random numbers of light paths from those of pixels.

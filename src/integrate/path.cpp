@@ -211,26 +211,14 @@ private:
                   p.radiance.c[1][i], p.radiance.c[2][i]);
     }
 
-    /// Removes the paths that shading marked as dead, before the next rays are traced; the last paths of the pool fill
-    /// their places. Returns the number of paths left.
+    /// Ends the paths that shading marked as dead, before the next rays are traced. Returns the number of paths left.
     std::size_t retire_paths(std::size_t active)
     {
-        PathPool& p = *paths_;
-        std::size_t dead = 0;
-        for (std::size_t i = 0; i < active; i += lanes)
-            append_indices(first_lanes(active - i) & ((p.state.load(i) & UInt(PathPool::dead)) != UInt(0u)), i,
-                           finished_, dead);
-        while (dead > 0) {
-            const std::size_t i = finished_[--dead];
-            fetch_sums(finished_[dead - std::min(dead, fetched_ahead)]);
-            finish(i);
-            --active;
-            if (i == active) continue;
-            PathPool::for_each_live_column(p, p, columns_, [&](auto& column, auto&) { column[i] = column[active]; });
-            p.bsdf_pdf[i] = p.bsdf_pdf[active];
-            p.exit_offset[i] = p.exit_offset[active];
-        }
-        return active;
+        return remove_dead_paths(*paths_, columns_, active, finished_,
+                                 [&](const Column<std::uint32_t>& dead, std::size_t k) {
+                                     fetch_sums(dead[k - std::min(k, fetched_ahead)]);
+                                     finish(dead[k]);
+                                 });
     }
 
     // ------------------------------------------------------------------------------------------- emission

@@ -97,13 +97,10 @@ private:
     {
         const Float right = dot(c.d, right_), up = dot(c.d, up_), forward = dot(c.d, forward_);
         if (camera_.equal_area) {
-            // The inverse of equal_area_direction().
-            const Float r = sqrt(max(Float(1) - abs(up), Float(0)));
-            const Float turn = r * atan2(abs(forward), abs(right)) * Float(2 * inv_pi);
-            const Mask below = up < Float(0);
-            const Float u = select(below, Float(1) - turn, r - turn), v = select(below, Float(1) - (r - turn), turn);
-            c.x = fma(flip_sign(u, right), Float(0.5f), Float(0.5f)) * Float(width_);
-            c.y = fma(flip_sign(v, -forward), Float(0.5f), Float(0.5f)) * Float(height_);
+            // The inverse of equal_area_direction(): the camera's up is in the middle of the square.
+            const SquarePoint p = equal_area_square(right, forward, up);
+            c.x = fma(p.x, Float(0.5f), Float(0.5f)) * Float(width_);
+            c.y = fma(-p.y, Float(0.5f), Float(0.5f)) * Float(height_);
             return c;
         }
         const Float phi = atan2(-right, -forward) * Float(0.5f * inv_pi);

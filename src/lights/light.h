@@ -84,6 +84,11 @@ template <class Light>
             light.has(LightRecord::not_hit_by_rays)};
 }
 
+/// Kinds of lights that rays never hit: Kind::sample_pdf(light, p, wi) is the density with respect to solid angle with
+/// which their sample() returns the direction wi; 1 for delta lights.
+template <class Kind, class Light>
+concept is_never_hit = requires(const Light& light, Vec3 p) { Kind::sample_pdf(light, p, p); };
+
 namespace detail {
 
 template <class Kind, class Light>

@@ -46,6 +46,22 @@ inline Vec3 sample_sphere(Sample2 u)
     return sample_cone(u, Float(2));
 }
 
+/// The point of a square for a direction (right, up, along), with coordinates from -1 to 1 to the right and up. Equal
+/// solid angles have equal areas, and `along` is in the middle: Clarberg 2008, "Fast Equal-Area Mapping of the
+/// (Hemi)Sphere using SIMD".
+struct SquarePoint {
+    Float x, y;
+};
+inline SquarePoint equal_area_square(Float right, Float up, Float along)
+{
+    // This is 1 - |along| without cancellation near the axis.
+    const Float r = sqrt(fma(right, right, up * up) / (Float(1) + abs(along)));
+    const Float turn = r * atan2(abs(up), abs(right)) * Float(2 * inv_pi);
+    const Mask behind = along < Float(0);
+    const Float u = select(behind, Float(1) - turn, r - turn), v = select(behind, Float(1) - (r - turn), turn);
+    return {flip_sign(u, right), flip_sign(v, up)};
+}
+
 /// Weight of multiple importance sampling (MIS) by the power heuristic, for one sample of each of two strategies: Veach
 /// 1997, eq. 9.13 with beta = 2. It is accurate for very large densities.
 inline Float mis_weight(Float pdf, Float other)

@@ -31,7 +31,7 @@ inline Float path_tracing_weight(Float connection, Float emission, Float variant
     return variants / fma(r, r, variants);
 }
 
-/// What the weight of light tracing needs of a path's end at the light: V / E^2.
+/// The factor V / E^2 in the weight of light tracing, which a light path keeps from its first vertex on.
 inline Float light_end(Float emission, Float variants)
 {
     return variants / max(emission * emission, Float(1e-37f));

@@ -16,6 +16,26 @@ inline void append_indices(Mask m, std::size_t first, Column<std::uint32_t>& num
     size += std::size_t(count(m));
 }
 
+/// Removes the paths that shading marked as dead; the last paths of the pool fill their places. Calls end(dead, k) for
+/// each, where dead[k] is the index of the path. Returns the number of paths left.
+template <class End>
+std::size_t remove_dead_paths(PathPool& p, PathColumns columns, std::size_t active, Column<std::uint32_t>& dead,
+                              const End& end)
+{
+    std::size_t size = 0;
+    for (std::size_t i = 0; i < active; i += lanes)
+        append_indices(first_lanes(active - i) & ((p.state.load(i) & UInt(PathPool::dead)) != UInt(0u)), i, dead, size);
+    while (size > 0) {
+        const std::size_t i = dead[--size];
+        end(dead, size);
+        if (i == --active) continue;
+        PathPool::for_each_live_column(p, p, columns, [&](auto& column, auto&) { column[i] = column[active]; });
+        p.bsdf_pdf[i] = p.bsdf_pdf[active];
+        p.exit_offset[i] = p.exit_offset[active];
+    }
+    return active;
+}
+
 /// Compacts a pool after its paths were traced and sorts it by closure kind and material, so that shading runs the same
 /// code on full lanes.
 class PoolSorter {

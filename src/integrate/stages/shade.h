@@ -79,13 +79,6 @@ private:
         Mask no_bounce{false};  ///< lanes of `undeflected` for which passing does not count as a bounce
     };
 
-    /// Whether paths may pass surfaces of this closure as shadow rays do.
-    template <class Closure>
-    bool passes_interfaces() const
-    {
-        return Closure::kind == ClosureKind::glass && scene_.has(Feature::transmissive_shadows);
-    }
-
     /// Shades a vertex of each path of a gang: next event estimation, BSDF sampling, Russian roulette.
     template <class Closure>
     [[gnu::always_inline]] void shade(std::size_t i, Mask valid)
@@ -93,7 +86,7 @@ private:
         clock_.enter(RenderStage::surface);
         count_vertices(counters_, valid);
         const Gang gang = load_gang(i, valid);
-        const SurfaceHit hit = load_hit(gang);
+        const SurfaceHit hit = load_hit(scene_, *paths_, *hits_, i);
         MediumStack media;
         if (scene_.has(Feature::media_stacks)) media = paths_->media.load(i);
         ShadingPoint<Closure> at = read_shading_point<Closure>(
@@ -124,7 +117,7 @@ private:
         if (light_paths_ > 0) store_connection(gang, at, next, first, passage.undeflected);
     }
 
-    /// What light tracing needs to know of the first vertices of paths: see light_tracing.h.
+    /// First vertices of paths as seen from the camera, where PathPool::connection begins: see light_tracing.h.
     struct FirstVertex {
         Mask is_it{false};  ///< lanes whose path has no vertex before this one
         Float pixels;       ///< per unit of area of the surface
@@ -150,14 +143,14 @@ private:
         const Float own = first.pixels * scatter_pdf / max(abs(dot(wi, at.ng)), Float(1e-20f));
         return select(first.is_it, own, paths_->connection.load(gang.i));
     }
-    /// Weight of a light sample against light tracing.
+    /// Weight of a light sample against light tracing. inverse_pdf: of a sample that is taken at each vertex.
     template <class Closure>
     [[gnu::noinline]] Float weight_of_light_sample(const Gang& gang, const ShadingPoint<Closure>& at,
-                                                   const FirstVertex& first, const LightSample& s, Float scatter_pdf,
-                                                   Mask m) const
+                                                   const FirstVertex& first, const LightSample& s, Float inverse_pdf,
+                                                   Float scatter_pdf, Mask m) const
     {
         const Float emission = emitter_.density(s.light, at.eye(), s.wi, s.distance, gang.time, m);
-        const Float nee_pdf = Float(1) / max(s.inverse_pdf, Float(1e-37f));
+        const Float nee_pdf = Float(1) / max(inverse_pdf, Float(1e-37f));
         return path_tracing_weight(connection(gang, at, first, s.wi, scatter_pdf), emission * Float(light_paths_),
                                    path_variants(nee_pdf, scatter_pdf, s.is_delta));
     }
@@ -186,20 +179,6 @@ private:
     }
     /// Vertices after scattering events within media use groups of random dimensions of their own.
     static UInt group_of_steps(UInt steps) { return select(steps == UInt(0u), UInt(0u), steps << 16 | UInt(1u << 31)); }
-
-    [[gnu::always_inline]] SurfaceHit load_hit(const Gang& gang) const
-    {
-        const std::size_t i = gang.i;
-        return {paths_->origin.load(i),
-                paths_->direction.load(i),
-                hits_->t.load(i),
-                hits_->u.load(i),
-                hits_->v.load(i),
-                gang.time,
-                hits_->primitive.load(i),
-                scene_.is_flat ? UInt(no_index) : hits_->instance.load(i),
-                scene_.has(Feature::mixtures) ? hits_->material.load(i) : UInt(no_index)};
-    }
 
     /// Throughput of paths before they are scattered. It is 0 on the back of one-sided surfaces, and that of the chosen
     /// channel on dispersive surfaces, whose index of refraction becomes that of the channel.
@@ -261,7 +240,7 @@ private:
         roulette.plays &= !passage.no_bounce;
         Mask ends = apply_roulette(roulette, gang.random.key, gang.random.seed, throughput);
         // A path that could only continue through a null interface and did not is finished.
-        if (passes_interfaces<Closure>()) ends |= !passage.no_bounce & !may_scatter(settings_, gang.bounce);
+        if (passes_interfaces<Closure>(scene_)) ends |= !passage.no_bounce & !may_scatter(settings_, gang.bounce);
         return ends;
     }
 
@@ -277,7 +256,7 @@ private:
         // in the MIS weight.
         Float mis_pdf = next.pdf;
         if (has_light_chance_) mis_pdf = mis_pdf / abs(p.nee_probability.load(i));
-        if (passes_interfaces<Closure>()) {
+        if (passes_interfaces<Closure>(scene_)) {
             mis_pdf = select(undeflected, p.bsdf_pdf.load(i), mis_pdf);
             exit_offset =
                 select(undeflected, p.exit_offset.load(i) + dot(at.start(next.wi) - hit.o, hit.d), exit_offset);
@@ -296,27 +275,23 @@ private:
     {
         UInt next_state = (gang.state & UInt(~PathPool::specular)) + UInt(1u);
         next_state = next_state | select(next.is_delta, UInt(PathPool::specular), UInt(PathPool::scattered));
-        if (!passes_interfaces<Closure>()) return {next_state};
-        // A mixture chooses at random between passing and its other constituent, so its surface is not an interface.
-        const Mask may_pass = gang.valid & (hit.material == UInt(no_index));
-        return pass_interface(gang.i, at, next.wi, may_pass, gang.state, next_state);
+        if (!passes_interfaces<Closure>(scene_)) return {next_state};
+        return pass_interface(gang, hit, at, next.wi, next_state);
     }
-    /// Determines the paths that continue undeflected, as shadow rays do. If passing is not a bounce, a path keeps its
-    /// flags of previous scattering. m: lanes whose material was not chosen by a mixture.
+    /// Determines the paths that continue undeflected. If passing is not a bounce, a path keeps its flags of previous
+    /// scattering.
     template <class Closure>
-    [[gnu::noinline]] Passage pass_interface(std::size_t i, const ShadingPoint<Closure>& at, const Vec3& wi, Mask m,
-                                             UInt state, UInt next_state)
+    [[gnu::noinline]] Passage pass_interface(const Gang& gang, const SurfaceHit& hit, const ShadingPoint<Closure>& at,
+                                             const Vec3& wi, UInt next_state)
     {
-        const PassedInterface there = classify_interface(scene_, materials_, at.material_index, at.skips_interface, m);
-        const Mask undeflected = (there.pane & (dot(wi, at.ng) < Float(0))) | there.open;
-        const Mask no_bounce = there.no_bounce & undeflected;
-        next_state = select(undeflected, state + UInt(1u), next_state);
+        const auto [undeflected, no_bounce] = find_undeflected(scene_, materials_, at, hit, wi, gang.valid);
+        next_state = select(undeflected, gang.state + UInt(1u), next_state);
         if (scene_.has(Feature::open_media)) {
             // Passing an open boundary counts as a step, so that the next vertex uses new random numbers.
-            const UInt step = paths_->walk_steps.load(i) + UInt(1u);
-            paths_->walk_steps.store(i, step, no_bounce);
+            const UInt step = paths_->walk_steps.load(gang.i) + UInt(1u);
+            paths_->walk_steps.store(gang.i, step, no_bounce);
             const UInt over = select(less(step, UInt(MediumStage::max_steps)), UInt(0u), UInt(PathPool::dead));
-            next_state = select(no_bounce, state | over, next_state);
+            next_state = select(no_bounce, gang.state | over, next_state);
         }
         return {next_state, undeflected, no_bounce};
     }
@@ -369,12 +344,12 @@ private:
         const Vec3 eye = at.eye();
         const auto& [key, seed, index] = gang.random;
         LightSample s = lights_.sample(m, eye, key, seed, gang.random.light(), gang.time);
-        const LightSample without_chance = s;
+        const Float nee_inverse_pdf = s.inverse_pdf;
         if (has_light_chance_) s.inverse_pdf = s.inverse_pdf / abs(paths_->nee_probability.load(gang.i));
         Mask lit = m & (s.inverse_pdf > Float(0));
         Float scatter_pdf;
         Spectrum add = direct_light(closure, at, guidance, s, throughput, lit, scatter_pdf);
-        if (light_paths_ > 0) add = add * weight_of_light_sample(gang, at, first, without_chance, scatter_pdf, lit);
+        if (light_paths_ > 0) add = add * weight_of_light_sample(gang, at, first, s, nee_inverse_pdf, scatter_pdf, lit);
         MediumStack media;
         if (scene_.has(Feature::media_stacks)) {
             const Mask beyond = Closure::transmits ? dot(s.wi, at.ng) < Float(0) : Mask(false);

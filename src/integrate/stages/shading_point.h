@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 #include "integrate/stages/solid_boundary.h"
+#include "kernel/pool.h"
 #include "kernel/stage_clock.h"
 #include "materials/read/material.h"
 #include "media/stack.h"
@@ -53,6 +54,21 @@ struct ShadingPoint {
         return fma(side, offset, p);
     }
 };
+
+/// The hits of the paths from number i on, on surfaces that scatter.
+[[gnu::always_inline]] inline SurfaceHit load_hit(const LaneScene& scene, const PathPool& p, const HitColumns& hits,
+                                                  std::size_t i)
+{
+    return {p.origin.load(i),
+            p.direction.load(i),
+            hits.t.load(i),
+            hits.u.load(i),
+            hits.v.load(i),
+            scene.has(Feature::motion) ? p.time.load(i) : Float(0),
+            hits.primitive.load(i),
+            scene.is_flat ? UInt(no_index) : hits.instance.load(i),
+            scene.has(Feature::mixtures) ? hits.material.load(i) : UInt(no_index)};
+}
 
 namespace detail {
 
@@ -215,6 +231,31 @@ template <class Closure>
     detail::to_shading_frame(at.frame, -hit.d, at.ng, facing, at.material);
     at.wo = detail::clamp_to_hemisphere(at.frame.to_local(-hit.d));
     return at;
+}
+
+/// Whether paths may pass surfaces of this closure as shadow rays do.
+template <class Closure>
+bool passes_interfaces(const LaneScene& scene)
+{
+    return Closure::kind == ClosureKind::glass && scene.has(Feature::transmissive_shadows);
+}
+
+/// Paths that continue undeflected through a pane or open boundary, as shadow rays do.
+struct UndeflectedPaths {
+    Mask undeflected{false};
+    Mask no_bounce{false};  ///< lanes of `undeflected` for which passing does not count as a bounce
+};
+/// Finds the paths of the lanes of m that continue undeflected along wi.
+template <class Closure>
+[[gnu::always_inline]] inline UndeflectedPaths find_undeflected(const LaneScene& scene, const MaterialReader& materials,
+                                                                const ShadingPoint<Closure>& at, const SurfaceHit& hit,
+                                                                const Vec3& wi, Mask m)
+{
+    // A mixture chooses at random between passing and its other constituent, so its surface is not an interface.
+    m &= hit.material == UInt(no_index);
+    const PassedInterface there = classify_interface(scene, materials, at.material_index, at.skips_interface, m);
+    const Mask undeflected = (there.pane & (dot(wi, at.ng) < Float(0))) | there.open;
+    return {undeflected, Mask(there.no_bounce & undeflected)};
 }
 
 /// Lanes whose delta lobes scatter light along the same path in both directions: the shading normal is bent neither for

@@ -36,6 +36,11 @@ struct BeamLight {
                 Vec3(Float(0), Float(0), Float(0)), area(light)};
     }
     template <class Light>
+    static Float sample_pdf(const Light&, const Vec3&, const Vec3&)
+    {
+        return Float(1);
+    }
+    template <class Light>
     static Float emission_density(const Light& light, const Vec3&, Float)
     {
         return Float(1) / max(area(light), Float(1e-30f));

@@ -18,6 +18,12 @@ struct DirectionalLight {
                 Float(1), Float(1),        Mask(true)};
     }
 
+    template <class Light>
+    static Float sample_pdf(const Light& light, const Vec3&, const Vec3&)
+    {
+        return Float(1) / solid_angle(light.get(&Record::one_minus_cos));
+    }
+
     /// A direction without a point: LightEmitter places rays from infinity.
     template <class Light>
     static EmittedRay emit(const Light& light, Float, Sample2, Sample2 direction)

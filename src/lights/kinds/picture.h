@@ -5,6 +5,7 @@
 #include "math/elementary.h"
 #include "math/gather_member.h"
 #include "math/spectrum.h"
+#include "sampling/warp.h"
 
 namespace fathom {
 inline namespace FATHOM_LANES {
@@ -31,20 +32,14 @@ inline PicturePoint plane_point(const PictureRow& t, Float right, Float up, Floa
             fma(v, t.get(&LightPictureRecord::height), Float(-0.5f)), inside};
 }
 
-/// The image point of a direction in an equal-area square: Clarberg 2008, "Fast Equal-Area Mapping of the (Hemi)Sphere
-/// using SIMD".
+/// The image point of a direction in an equal-area square.
 inline PicturePoint equal_area_point(const PictureRow& t, Float right, Float up, Float along)
 {
-    // This is 1 - |along| without cancellation near the axis.
-    const Float r = sqrt(fma(right, right, up * up) / (Float(1) + abs(along)));
-    const Float turn = r * atan2(abs(up), abs(right)) * Float(2 * inv_pi);
-    const Mask behind = along < Float(0);
-    const Float u = select(behind, Float(1) - turn, r - turn), v = select(behind, Float(1) - (r - turn), turn);
+    const SquarePoint p = equal_area_square(right, up, along);
     const Float half_w = t.get(&LightPictureRecord::width) * Float(0.5f),
                 half_h = t.get(&LightPictureRecord::height) * Float(0.5f);
-    // Rows grow downwards, so `up` is subtracted.
-    return {fma(flip_sign(u, right), half_w, half_w - Float(0.5f)),
-            fma(flip_sign(v, -up), half_h, half_h - Float(0.5f)), Mask(true)};
+    // Rows grow downwards.
+    return {fma(p.x, half_w, half_w - Float(0.5f)), fma(-p.y, half_h, half_h - Float(0.5f)), Mask(true)};
 }
 
 /// The image point of a direction if rows are angles from the axis, and columns angles about it.

@@ -22,6 +22,11 @@ struct PicturedLight {
         return SpotLight::emit(light, time, position, direction);
     }
     template <class Light>
+    static Float sample_pdf(const Light&, const Vec3&, const Vec3&)
+    {
+        return Float(1);
+    }
+    template <class Light>
     static Float emission_density(const Light& light, const Vec3& wi, Float distance)
     {
         return SpotLight::emission_density(light, wi, distance);

@@ -29,6 +29,11 @@ struct PointLight {
                 Float(4 * pi)};
     }
     template <class Light>
+    static Float sample_pdf(const Light&, const Vec3&, const Vec3&)
+    {
+        return Float(1);
+    }
+    template <class Light>
     static Float emission_density(const Light&, const Vec3&, Float distance)
     {
         return Float(0.25f * inv_pi) / (distance * distance);

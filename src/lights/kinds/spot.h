@@ -27,6 +27,11 @@ struct SpotLight {
                 with_falloff(light, -d, Float(2 * pi) * cone)};
     }
     template <class Light>
+    static Float sample_pdf(const Light&, const Vec3&, const Vec3&)
+    {
+        return Float(1);
+    }
+    template <class Light>
     static Float emission_density(const Light& light, const Vec3& wi, Float distance)
     {
         const Float cone = min(light.get(&Record::outer), Float(2));

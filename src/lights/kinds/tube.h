@@ -36,9 +36,9 @@ struct TubeLight {
                 Float(1),     Mask(true)};
     }
 
-    /// Density with respect to solid angle with which sample() returns the direction wi, outside the tube.
+    /// Density of sample(), outside the tube; 0 inside.
     template <class Light>
-    static Float pdf(const Light& light, const Vec3& p, const Vec3& wi)
+    static Float sample_pdf(const Light& light, const Vec3& p, const Vec3& wi)
     {
         const Axis axis = axis_from(light, p);
         const Float radius = light.get(&Record::radius), rho = axis.distance,

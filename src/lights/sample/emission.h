@@ -46,15 +46,20 @@ public:
         const UInt kind = light.kind();
         const Vec3 zero(Float(0), Float(0), Float(0));
         EmittedRay ray{zero, Vec3(Float(0), Float(0), Float(1)), zero, Float(0)};
-        const MovingLight placed(light, tables_, time, m);
-        LightKinds::for_each([&]<class Kind>() {
-            const Mask mine = m & is_kind(kind, Kind::Record::kind);
-            if (none(mine)) return;
-            const EmittedRay own = Kind::emit(placed, time, position, direction);
-            ray.o = select(mine, own.o, ray.o), ray.d = select(mine, own.d, ray.d), ray.n = select(mine, own.n, ray.n);
-            ray.scale = select(mine, own.scale, ray.scale);
-        });
         e.power = light.radiance();
+        lights_.with_placed(light, time, m, [&](const auto& placed) {
+            LightKinds::for_each([&]<class Kind>() {
+                const Mask mine = m & is_kind(kind, Kind::Record::kind);
+                if (none(mine)) return;
+                const EmittedRay own = Kind::emit(placed, time, position, direction);
+                ray.o = select(mine, own.o, ray.o), ray.d = select(mine, own.d, ray.d);
+                ray.n = select(mine, own.n, ray.n), ray.scale = select(mine, own.scale, ray.scale);
+            });
+            e.o = ray.o;
+            leave_surface(placed, ray, time, m, e);
+            if (const Mask pictured = m & is_kind(kind, LightRecordKind::pictured); any(pictured))
+                e.power = e.power * lights_.picture_at(placed, -ray.d, pictured);
+        });
         const Mask environment = m & is_kind(kind, LightRecordKind::environment);
         if (any(environment)) {
             const EnvironmentSample s = sample_environment(tables_, direction);
@@ -66,13 +71,10 @@ public:
             const DiskPoint disk = sample_disk(position);
             const Frame frame(ray.d);
             const Vec3 across = fma(frame.s, disk.x * Float(ball_radius_), frame.t * (disk.y * Float(ball_radius_)));
-            ray.o = select(far, ball_center_ + across - ray.d * Float(1.01f * ball_radius_), ray.o);
+            e.o = select(far, ball_center_ + across - ray.d * Float(1.01f * ball_radius_), e.o);
             ray.scale = select(far, ray.scale * Float(pi * ball_radius_ * ball_radius_), ray.scale);
         }
-        e.o = ray.o, e.d = ray.d;
-        leave_surface(light, ray, time, m, e);
-        if (const Mask pictured = m & is_kind(kind, LightRecordKind::pictured); any(pictured))
-            e.power = e.power * lights_.picture_factor(light, -ray.d, time, pictured);
+        e.d = ray.d;
         e.power = e.power * ray.scale;
         return e;
     }
@@ -85,16 +87,12 @@ public:
         const LightReader<false> light(tables_.lights.data(), index);
         const UInt kind = light.kind();
         Float density(0.f);
-        const auto add = [&](const auto& placed) {
+        lights_.with_placed(light, time, m, [&](const auto& placed) {
             LightKinds::for_each([&]<class Kind>() {
                 const Mask mine = m & is_kind(kind, Kind::Record::kind);
                 if (any(mine)) density = select(mine, Kind::emission_density(placed, wi, distance), density);
             });
-        };
-        if (scene_.has(Feature::moving_lights))
-            add(MovingLight(light, tables_, time, m));
-        else
-            add(light);
+        });
         const Mask environment = m & is_kind(kind, LightRecordKind::environment);
         if (any(environment)) density = select(environment, environment_pdf(tables_, wi), density);
         if (const Mask far = is_infinite(kind, m); any(far)) {
@@ -124,19 +122,20 @@ private:
 
     /// Moves the start of rays from surfaces in front of their surface, and applies the surface's emission texture and
     /// opacity.
-    void leave_surface(const LightReader<false>& light, const EmittedRay& ray, Float time, Mask m, Emission& e) const
+    template <class Light>
+    void leave_surface(const Light& light, const EmittedRay& ray, Float time, Mask m, Emission& e) const
     {
         const Mask on_surface = m & (light.primitive() != UInt(no_index)) & (dot(ray.n, ray.n) > Float(0.5f));
         if (none(on_surface)) return;
         // The surface is read as if a ray along -d had hit it.
         const Float distance = Float(1);
         const Vec3 from = fma(ray.d, distance, ray.o);
-        const SurfaceHit hit = lights_.surface_hit(light, from, -ray.d, distance, time, on_surface);
+        const SurfaceHit hit = LightSampler::hit_on(light, from, -ray.d, distance, time);
         const Surface s = surfaces_.read(hit, on_surface);
         e.o = select(on_surface, fma(flip_sign(s.ng, dot(s.ng, ray.d)), s.offset, s.p), e.o);
         if (!scene_.has(Feature::textured_lights)) return;
         const Mask varied = on_surface & (light.material() != UInt(no_index));
-        if (any(varied)) e.power = e.power * lights_.emission_factor(light, s, hit.primitive, varied);
+        if (any(varied)) e.power = e.power * lights_.factor_at(light, light.material(), s, hit.primitive, varied);
     }
 
     const SceneTables& tables_;

@@ -104,54 +104,95 @@ public:
         if (tables_.environment.light == no_index) return Float(0);
         return Float(selector_.pmf(tables_.environment.light)) * environment_pdf(tables_, d);
     }
-    /// density_of() for all kinds of lights: for those that rays do not hit, the reciprocal of
+    /// density_of() for all kinds of lights but curves: for those that rays do not hit, the reciprocal of
     /// LightSample::inverse_pdf.
     Float any_density_of(UInt light, const Vec3& o, Float time, const Vec3& d, Float distance, Mask m) const
     {
         const LightReader<false> record(tables_.lights.data(), light);
         const UInt kind = record.kind();
-        const auto is = [&](LightRecordKind k) { return m & is_kind(kind, k); };
-        const Mask environment = is(LightRecordKind::environment), tube = is(LightRecordKind::tube),
-                   directional = is(LightRecordKind::directional);
-        const Mask points = is(LightRecordKind::point) | is(LightRecordKind::spot) | is(LightRecordKind::pictured) |
-                            is(LightRecordKind::beam);
-        Float pdf(1.f);
-        if (const Mask hit = m & !(environment | tube | directional | points); any(hit))
-            pdf = select(hit, pdf_special(record, o, time, d, distance, Float(0), hit), pdf);
+        Float pdf = pdf_special(record, o, time, d, distance, Float(0), m);
+        with_placed(record, time, m, [&](const auto& placed) {
+            LightKinds::for_each([&]<class Kind>() {
+                if constexpr (is_never_hit<Kind, decltype(placed)>) {
+                    const Mask mine = m & is_kind(kind, Kind::Record::kind);
+                    if (any(mine)) pdf = select(mine, Kind::sample_pdf(placed, o, d), pdf);
+                }
+            });
+        });
+        const Mask environment = m & is_kind(kind, LightRecordKind::environment);
         if (any(environment)) pdf = select(environment, environment_pdf(tables_, d), pdf);
-        if (any(tube)) pdf = select(tube, TubeLight::pdf(MovingLight(record, tables_, time, tube), o, d), pdf);
-        if (any(directional)) {
-            const Float spread = record.get(&DirectionalLightRecord::one_minus_cos);
-            pdf = select(directional & (spread > Float(0)), Float(0.5f * inv_pi) / max(spread, Float(1e-30f)), pdf);
-        }
         return selector_.pmf(record, o, m) * pdf;
     }
-    /// Lanes whose light rays do not hit, so that only light samples find it.
+    /// Lanes of m whose light rays do not hit, so that only light samples find it.
     Mask is_unhittable(UInt light, Mask m) const
     {
         const LightReader<false> record(tables_.lights.data(), light);
-        const UInt kind = record.kind();
-        return m & (is_kind(kind, LightRecordKind::tube) | is_kind(kind, LightRecordKind::directional) |
-                    is_kind(kind, LightRecordKind::point) | is_kind(kind, LightRecordKind::spot) |
-                    is_kind(kind, LightRecordKind::pictured) | is_kind(kind, LightRecordKind::beam) |
-                    record.has(LightRecord::not_hit_by_rays));
+        Mask never_hit = record.has(LightRecord::not_hit_by_rays);
+        LightKinds::for_each([&]<class Kind>() {
+            if constexpr (is_never_hit<Kind, LightReader<false>>)
+                never_hit |= is_kind(record.kind(), Kind::Record::kind);
+        });
+        return m & never_hit;
+    }
+    /// Calls f with the light as it is at a shutter time.
+    template <class F>
+    void with_placed(const LightReader<false>& light, Float time, Mask m, const F& f) const
+    {
+        if (any_moves(light, m))
+            f(MovingLight(light, tables_, time, m));
+        else
+            f(light);
     }
 
-    /// The hit of a ray from `from` along wi on the surface of a light, at a distance.
-    SurfaceHit surface_hit(const LightReader<false>& light, const Vec3& from, const Vec3& wi, Float distance,
-                           Float time, Mask m) const
+    /// Factor of a light's intensity by its image, for light that travels along -wi; 1 in lanes outside m.
+    template <class Light>
+    [[gnu::noinline]] Spectrum picture_at(const Light& light, const Vec3& wi, Mask m) const
     {
-        return hit_on(MovingLight(light, tables_, time, m), from, wi, distance, time);
+        using Record = PicturedLightRecord;
+        const Float right = -dot(wi, light.get(&Record::right)), up = -dot(wi, light.get(&Record::top)),
+                    along = -dot(wi, light.get(&SpotLightRecord::axis));
+        const Spectrum factor = light_picture(tables_, light.get(&Record::picture), right, up, along, m);
+        return select(m, factor, Spectrum(Float(1)));
     }
-    /// Factor of a light's radiance at a point of its surface: its emission texture times its alpha; 1 outside m.
-    Spectrum emission_factor(const LightReader<false>& light, const Surface& surface, UInt primitive, Mask m) const
+
+    /// Factor of a light's radiance at a point of its surface: its emission texture times its alpha; 1 in lanes outside
+    /// m.
+    template <class Light>
+    Spectrum factor_at(const Light& light, UInt material, const Surface& surface, UInt primitive, Mask m) const
     {
-        return factor_at(light, light.material(), surface, primitive, m);
+        const UInt texture = materials_.get(&MaterialRecord::emission_texture, material, m);
+        const Texel t = evaluate_textures(tables_, texture, surface.at, m);
+        Spectrum factor;
+        // Only flat primitives are alpha-tested; round ones are opaque.
+        const Mask flat = m & less(primitive, UInt(tables_.first_sphere()));
+        // Lights that no ray hits have an alpha of 0, which does not dim them.
+        const Mask masked = flat & !light.has(LightRecord::not_hit_by_rays);
+        const Float stopped = opacity(tables_, material, surface.at, masked);
+        for (int c = 0; c < channels; ++c) factor.c[c] = select(m, t.c[c] * stopped, Float(1));
+        return factor;
     }
-    /// Factor of the intensity of lights with images, for light that travels along -wi; 1 outside m.
-    Spectrum picture_factor(const LightReader<false>& light, const Vec3& wi, Float time, Mask m) const
+
+    /// The hit of a ray on the surface of a light.
+    template <class Light>
+    static SurfaceHit hit_on(const Light& light, const Vec3& from, const Vec3& wi, Float distance, Float time)
     {
-        return picture_at(MovingLight(light, tables_, time, m), wi, m);
+        SurfaceHit hit;
+        hit.o = from;
+        hit.d = wi;
+        hit.t = distance;
+        hit.time = time;
+        hit.primitive = light.primitive();
+        hit.instance = light.instance();
+        // Triangle lights store the barycentric coordinates of the point; other kinds compute texture coordinates from
+        // the position.
+        using Triangle = TriangleLightRecord;
+        const Vec3 r = fma(wi, distance, from) - light.get(&Triangle::corner);
+        const Vec3 u = light.get(&Triangle::edge_u), v = light.get(&Triangle::edge_v);
+        const Vec3 n = cross(u, v);
+        const Float scale = Float(1) / max(dot(n, n), Float(1e-30f));
+        hit.u = dot(cross(r, v), n) * scale;
+        hit.v = dot(cross(u, r), n) * scale;
+        return hit;
     }
 
 private:
@@ -221,17 +262,6 @@ private:
         return s;
     }
 
-    /// Factor of a light's intensity by its image, for light that travels along -wi; 1 in lanes outside m.
-    template <class Light>
-    [[gnu::noinline]] Spectrum picture_at(const Light& light, const Vec3& wi, Mask m) const
-    {
-        using Record = PicturedLightRecord;
-        const Float right = -dot(wi, light.get(&Record::right)), up = -dot(wi, light.get(&Record::top)),
-                    along = -dot(wi, light.get(&SpotLightRecord::axis));
-        const Spectrum factor = light_picture(tables_, light.get(&Record::picture), right, up, along, m);
-        return select(m, factor, Spectrum(Float(1)));
-    }
-
     /// Samples lights that are curves, in the lanes of m; returns the curve parameters of the points.
     [[gnu::noinline]] Float sample_curves(const LightReader<false>& light, const Vec3& eye, Float time, Sample2 random,
                                           LightSample& s, Mask m) const
@@ -259,44 +289,6 @@ private:
         hit.u = select(curves.m, curves.u, hit.u);
         return factor_at(light, material, surfaces_.read(hit, m), hit.primitive, m);
     }
-    template <class Light>
-    Spectrum factor_at(const Light& light, UInt material, const Surface& surface, UInt primitive, Mask m) const
-    {
-        const UInt texture = materials_.get(&MaterialRecord::emission_texture, material, m);
-        const Texel t = evaluate_textures(tables_, texture, surface.at, m);
-        Spectrum factor;
-        // Only flat primitives are alpha-tested; round ones are opaque.
-        const Mask flat = m & less(primitive, UInt(tables_.first_sphere()));
-        // Lights that no ray hits have an alpha of 0, which does not dim them.
-        const Mask masked = flat & !light.has(LightRecord::not_hit_by_rays);
-        const Float stopped = opacity(tables_, material, surface.at, masked);
-        for (int c = 0; c < channels; ++c) factor.c[c] = select(m, t.c[c] * stopped, Float(1));
-        return factor;
-    }
-
-    /// The hit of a ray on the surface of a light.
-    template <class Light>
-    static SurfaceHit hit_on(const Light& light, const Vec3& from, const Vec3& wi, Float distance, Float time)
-    {
-        SurfaceHit hit;
-        hit.o = from;
-        hit.d = wi;
-        hit.t = distance;
-        hit.time = time;
-        hit.primitive = light.primitive();
-        hit.instance = light.instance();
-        // Triangle lights store the barycentric coordinates of the point; other kinds compute texture coordinates from
-        // the position.
-        using Triangle = TriangleLightRecord;
-        const Vec3 r = fma(wi, distance, from) - light.get(&Triangle::corner);
-        const Vec3 u = light.get(&Triangle::edge_u), v = light.get(&Triangle::edge_v);
-        const Vec3 n = cross(u, v);
-        const Float scale = Float(1) / max(dot(n, n), Float(1e-30f));
-        hit.u = dot(cross(r, v), n) * scale;
-        hit.v = dot(cross(u, r), n) * scale;
-        return hit;
-    }
-
     const LaneScene& scene_;
     const SceneTables& tables_;
     const SurfaceReader surfaces_;
