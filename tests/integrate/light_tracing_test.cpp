@@ -1,224 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// Light tracing: light that mirrors and glass send onto a floor, in closed form, and images that path tracing alone
-// renders, too.
-#include <atomic>
+// Tests of light tracing against images that path tracing alone renders.
 #include <functional>
 
-#include "picture_helpers.h"
+#include "light_tracing_scenes.h"
 
 namespace fathom {
 namespace {
 
 using namespace test;
-
-using std::numbers::pi;
-
-Material conductor(float roughness, float albedo = 1)
-{
-    Material m;
-    m.kind = MaterialKind::metal;
-    m.base_color.value = {albedo, albedo, albedo};
-    m.roughness.value = roughness;
-    return m;
-}
-Material dielectric(float roughness = 0)
-{
-    Material m;
-    m.kind = MaterialKind::glass;
-    m.ior = 1.5f;
-    m.roughness.value = roughness;
-    return m;
-}
-
-RenderSettings traced(int width = 8, int height = 8)
-{
-    RenderSettings s = small_image_settings(width, height);
-    s.light_paths = 1;
-    return s;
-}
-
-/// Fresnel reflectance of glass of index 1.5 from outside.
-double glass_reflectance(double cosine)
-{
-    const double inside = std::sqrt(1 - (1 - cosine * cosine) / 2.25);
-    const double s = (cosine - 1.5 * inside) / (cosine + 1.5 * inside),
-                 p = (inside - 1.5 * cosine) / (inside + 1.5 * cosine);
-    return (s * s + p * p) / 2;
-}
-
-/// A floor of reflectance 1/2 of which an orthographic camera sees the square |x|, |z| < 1/2 from above.
-struct SeenFloor : SceneBuilder {
-    explicit SeenFloor(int spheres = 0, double half = 4)
-    {
-        add(Rectangle{{-half, 0, half}, {2 * half, 0, 0}, {0, 0, -2 * half}}, diffuse(0.5f));
-        // Spheres below the floor select how rays are traced: by a list, or by a BVH.
-        for (int i = 0; i < spheres; ++i) add(Sphere{{half * (1 - 0.02 * i), -half, 0}, 0.02, {}}, diffuse(0.5f));
-        camera({0, 0.4, 0}, {0, 0, 0});
-        scene.cameras[0].kind = CameraKind::orthographic;
-        scene.cameras[0].height = 1;
-    }
-};
-
-/// Mean irradiance of the square, from its value at points.
-double mean_irradiance(const std::function<double(double, double)>& at)
-{
-    constexpr int n = 100;
-    double sum = 0;
-    for (int i = 0; i < n; ++i)
-        for (int j = 0; j < n; ++j) sum += at((i + 0.5) / n - 0.5, (j + 0.5) / n - 0.5);
-    return sum / (n * n);
-}
-
-/// Lamps without extent and a mirror at x = 1, which shows each of them again: the floor gets the light of both.
-class MirroredLamps : public testing::TestWithParam<int> {
-protected:
-    /// Irradiance by a lamp of intensity 1 at p, times a factor by direction.
-    static double by_point(Vec3d p, double x, double z, const std::function<double(Vec3d)>& factor)
-    {
-        const Vec3d to = Vec3d{x, 0, z} - p;
-        return -to.y / std::pow(length(to), 3) * factor(normalize(to));
-    }
-    void expect(const Light& light, const Transform& place, double expected, std::uint64_t samples = 256)
-    {
-        SeenFloor b(GetParam());
-        b.add(Rectangle{{1, 0, -4}, {0, 0, 8}, {0, 8, 0}}, b.material(conductor(0)));
-        b.light(light, place);
-        expect_mean(render_film(b.scene, traced(), samples), expected * 0.5 / pi, 0.003);
-    }
-};
-INSTANTIATE_TEST_SUITE_P(Scenes, MirroredLamps, testing::Values(0, 1, 100), [](const auto& info) {
-    return info.param == 0 ? "quads" : info.param == 1 ? "list" : "tree";
-});
-
-TEST_P(MirroredLamps, Point)
-{
-    const auto one = [](Vec3d) { return 1.0; };
-    const double expected = mean_irradiance(
-        [&](double x, double z) { return by_point({0.2, 1, 0.1}, x, z, one) + by_point({1.8, 1, 0.1}, x, z, one); });
-    expect(Light{}, Transform::translate({0.2, 1, 0.1}), expected, 1024);
-}
-
-TEST_P(MirroredLamps, Spot)
-{
-    Light light;
-    light.kind = LightKind::spot;
-    light.inner_angle = 0.2, light.outer_angle = 0.9;
-    const Vec3d axis = normalize(Vec3d{0.7, -1, 0});
-    const double inner = std::cos(0.2), outer = std::cos(0.9);
-    const auto cone = [&](Vec3d d) {
-        const double f = std::clamp((dot(d, axis) - outer) / (inner - outer), 0.0, 1.0);
-        return f * f;
-    };
-    const double expected = mean_irradiance([&](double x, double z) {
-        return by_point({0.2, 1, 0.1}, x, z, cone) +
-               by_point({1.8, 1, 0.1}, x, z, [&](Vec3d d) { return cone({-d.x, d.y, d.z}); });
-    });
-    expect(light, Transform::translate({0.2, 1, 0.1}) * rotate_to(axis), expected, 512);
-}
-
-TEST_P(MirroredLamps, DirectionalFromBothSides)
-{
-    Light light;
-    light.kind = LightKind::directional;
-    for (const double angle : {0.0, 0.02}) {
-        light.angle = angle;
-        // Light that falls toward the mirror arrives at the whole square twice.
-        const Vec3d d = normalize(Vec3d{1, -1, 0.2});
-        expect(light, rotate_to(d), -2 * d.y, 1024);
-    }
-}
-
-TEST_P(MirroredLamps, Beam)
-{
-    Light light;
-    light.kind = LightKind::beam;
-    light.width = 0.3, light.height = 0.2;
-    // All of the beam arrives at the square, by way of the mirror.
-    const Vec3d d = normalize(Vec3d{1, -1, 0});
-    expect(light, Transform::translate(Vec3d{1, 1, 0} - d * 0.5) * rotate_to(d), 0.06);
-}
-
-/// The sun through a thick pane, without the light that comes back from the floor or is reflected within the pane.
-TEST(LightTracing, SunThroughAPane)
-{
-    for (const int spheres : {1, 100})
-        for (const double angle : {0.0, 0.6}) {
-            SeenFloor b(spheres, 0.6);
-            b.add(Box{{-1.2, 0.5, -1.2}, {1.2, 0.6, 1.2}}, b.material(dielectric()));
-            Light sun;
-            sun.kind = LightKind::directional;
-            b.light(sun, rotate_to({std::sin(angle), -std::cos(angle), 0}));
-            RenderSettings settings = traced();
-            settings.max_depth = 3;
-            const double passed = std::pow(1 - glass_reflectance(std::cos(angle)), 2);
-            expect_mean(render_film(b.scene, settings, 1024), std::cos(angle) * passed * 0.5 / pi, 0.01);
-        }
-}
-
-/// A closed room with a lamp, as path tracing and light tracing see it.
-struct Room : SceneBuilder {
-    Room()
-    {
-        const int white = diffuse(0.7f), red = diffuse(0.4f);
-        add(Rectangle{{-1, 0, 1}, {2, 0, 0}, {0, 0, -2}}, white);
-        add(Rectangle{{-1, 2, -1}, {2, 0, 0}, {0, 0, 2}}, white);
-        add(Rectangle{{-1, 0, -1}, {2, 0, 0}, {0, 2, 0}}, white);
-        add(Rectangle{{-1, 0, 1}, {0, 0, -2}, {0, 2, 0}}, red);
-        add(Rectangle{{1, 0, -1}, {0, 0, 2}, {0, 2, 0}}, red);
-        camera({0, 1, 3.5}, {0, 1, 0}, 40);
-    }
-    /// Objects whose scattering light samples can follow.
-    Room& with_rough_objects()
-    {
-        add(Sphere{{-0.45, 0.35, -0.3}, 0.35, {}}, material(conductor(0.4f, 0.8f)));
-        add(Sphere{{0.45, 0.35, 0.2}, 0.35, {}}, material(dielectric(0.5f)));
-        return *this;
-    }
-    Room& with_smooth_objects()
-    {
-        add(Sphere{{-0.45, 0.35, -0.3}, 0.35, {}}, material(conductor(0)));
-        add(Sphere{{0.45, 0.35, 0.2}, 0.35, {}}, material(dielectric()));
-        return *this;
-    }
-    Room& with_lamp(float radiance = 10)
-    {
-        Material m;
-        m.kind = MaterialKind::none;
-        m.emission.radiance.value = {radiance, radiance, radiance};
-        add(Rectangle{{-0.4, 1.99, -0.4}, {0.8, 0, 0}, {0, 0, 0.8}}, material(m));
-        return *this;
-    }
-    Room& with(const Light& l, Vec3d p = {0.1, 1.7, 0.1}, Vec3d d = {0.1, -1, -0.1})
-    {
-        light(l, Transform::translate(p) * rotate_to(d));
-        return *this;
-    }
-    Room& as_tree()
-    {
-        for (int i = 0; i < 100; ++i) add(Sphere{{3 - 0.1 * i, -3, 0}, 0.02, {}}, 0);
-        return *this;
-    }
-};
-
-/// Means of the image's blocks of pixels and their variances, for one channel.
-struct Block {
-    double mean = 0, variance = 0;
-};
-std::vector<Block> blocks_of(const Film& film, int across)
-{
-    const Image image = film.image(false, true);
-    const auto &pixels = image.layers[0].pixels, &variance = image.find("variance")->pixels;
-    std::vector<Block> blocks(std::size_t(across * across));
-    const double scale = double(across * across) / (image.width * image.height);
-    for (int y = 0; y < image.height; ++y)
-        for (int x = 0; x < image.width; ++x) {
-            Block& b = blocks[std::size_t(y * across / image.height * across + x * across / image.width)];
-            const std::size_t i = 3 * (std::size_t(y) * std::size_t(image.width) + std::size_t(x)) + 1;
-            b.mean += double(pixels[i]) * scale;
-            b.variance += double(variance[i]) * scale * scale;
-        }
-    return blocks;
-}
 
 /// Blocks of both images agree within five standard errors.
 void expect_same(const SceneDescription& scene, RenderSettings settings, std::uint64_t samples = 256)
@@ -236,25 +25,6 @@ void expect_same(const SceneDescription& scene, RenderSettings settings, std::ui
         EXPECT_NEAR(both[i].mean, plain[i].mean,
                     5 * std::sqrt(both[i].variance + plain[i].variance) + 0.002 * brightness)
             << "block " << i;
-}
-
-std::vector<std::pair<const char*, Light>> lamps()
-{
-    std::vector<std::pair<const char*, Light>> all;
-    const auto lamp = [&](const char* name, LightKind kind, float intensity) -> Light& {
-        all.push_back({name, {}});
-        all.back().second.kind = kind;
-        all.back().second.intensity = {intensity, intensity, intensity};
-        return all.back().second;
-    };
-    lamp("point", LightKind::point, 1);
-    lamp("spot", LightKind::spot, 3);
-    lamp("wide spot", LightKind::spot, 3).outer_angle = 1.3;
-    lamp("linear spot", LightKind::spot, 3).falloff = SpotFalloff::linear;
-    lamp("beam", LightKind::beam, 4);
-    lamp("round beam", LightKind::beam, 4).round = true;
-    lamp("tube", LightKind::tube, 4).radius = 0.1;
-    return all;
 }
 
 TEST(LightTracing, LampsWithoutSurfaceLightTheSame)
@@ -343,28 +113,91 @@ TEST(LightTracing, CamerasSeeTheSame)
     expect("equal area");
 }
 
-/// Filters spread what light tracing finds as they spread camera rays: the edges of a beam, pixel by pixel.
-TEST(LightTracing, FiltersBlurEdgesTheSame)
+/// Pixels of both images agree within five standard errors.
+void expect_same_pixels(const SceneDescription& scene, RenderSettings settings)
+{
+    settings.light_paths = 0;
+    const Image plain = render_film(scene, settings, 4096).image(false, true);
+    settings.light_paths = 1;
+    const Image both = render_film(scene, settings, 512).image(false, true);
+    const auto &told = plain.find("variance")->pixels, &own = both.find("variance")->pixels;
+    for (std::size_t i = 0; i < told.size(); i += 3)
+        EXPECT_NEAR(both.layers[0].pixels[i], plain.layers[0].pixels[i], 5 * std::sqrt(told[i] + own[i]) + 1e-4)
+            << "pixel " << i / 3;
+}
+
+/// A beam with sharp edges on a floor.
+SeenFloor lit_by_beam()
 {
     SeenFloor b;
     Light beam;
     beam.kind = LightKind::beam;
     beam.width = beam.height = 0.43;
     b.light(beam, Transform::translate({0.03, 0.3, 0.01}) * rotate_to({0, -1, 0}));
+    return b;
+}
+
+/// Filters spread what light tracing finds as they spread camera rays.
+TEST(LightTracing, FiltersBlurEdgesTheSame)
+{
     RenderSettings settings = small_image_settings(12, 12);
     for (const Filter filter : {Filter::box, Filter::gaussian, Filter::blackman_harris, Filter::tent})
         for (const double radius : {0.0, 1.4}) {
             SCOPED_TRACE(testing::Message() << "filter " << int(filter) << ", radius " << radius);
             settings.filter = filter, settings.filter_radius = radius;
-            settings.light_paths = 0;
-            const Image plain = render_film(b.scene, settings, 4096).image(false, true);
-            settings.light_paths = 1;
-            const Image both = render_film(b.scene, settings, 512).image(false, true);
-            const auto &told = plain.find("variance")->pixels, &own = both.find("variance")->pixels;
-            for (std::size_t i = 0; i < told.size(); i += 3)
-                EXPECT_NEAR(both.layers[0].pixels[i], plain.layers[0].pixels[i], 5 * std::sqrt(told[i] + own[i]) + 1e-4)
-                    << "pixel " << i / 3;
+            expect_same_pixels(lit_by_beam().scene, settings);
         }
+}
+
+TEST(LightTracing, LensesBlurEdgesTheSame)
+{
+    SeenFloor b = lit_by_beam();
+    Camera& camera = b.scene.cameras[0];
+    camera.kind = CameraKind::perspective;
+    camera.position = {0.1, 0.8, 0.05};
+    camera.aperture = 0.2;
+    for (const double focus : {0.5, 0.8, 1.6}) {
+        SCOPED_TRACE(focus);
+        camera.focus_distance = focus;
+        expect_same_pixels(b.scene, small_image_settings(16, 12));
+    }
+}
+
+/// Adds a mirror at x = 0.8 whose shading normals are tilted upwards from its geometric normal, (-1, 0, 0).
+void add_tilted_mirror(SceneBuilder& b, double degrees, const Material& material)
+{
+    Mesh mirror;
+    mirror.positions = {{0.8f, 0, -1}, {0.8f, 0, 1}, {0.8f, 2, 1}, {0.8f, 2, -1}};
+    const double a = degrees * std::numbers::pi / 180;
+    mirror.normals.assign(4, rounded({-std::cos(a), std::sin(a), 0}));
+    mirror.indices = {0, 1, 2, 0, 2, 3};
+    b.scene.meshes.push_back(mirror);
+    b.add(MeshInstance{0}, b.material(material));
+}
+TEST(LightTracing, TiltedNormalsAreTheSame)
+{
+    for (const double tilt : {-50., -20., 20., 50.})
+        for (const float roughness : {0.f, 0.3f}) {
+            SCOPED_TRACE(testing::Message() << tilt << " degrees, roughness " << roughness);
+            SeenFloor b(100, 1);
+            add_tilted_mirror(b, tilt, conductor(roughness));
+            b.add(Sphere{{-0.2, 0.9, 0}, 0.12, {}}, b.material(lamp_of(10)));
+            expect_same(b.scene, small_image_settings(9, 9), 2048);
+        }
+}
+
+/// Seen from the floor, tilted normals mirror light to below the surface, so they are bent. What they then show is a
+/// lamp above the mirror, which lights the visible floor by way of the mirror only.
+TEST(LightTracing, BentNormalsAreTheSame)
+{
+    for (const double tilt : {35., 50.}) {
+        SCOPED_TRACE(tilt);
+        SeenFloor b(100, 1);
+        add_tilted_mirror(b, tilt, conductor(0));
+        b.add(Rectangle{{0.72, 2.1, -3}, {-6, 0, 0}, {0, 0, 6}}, b.diffuse(0));
+        b.add(Sphere{{0.76, 2.5, 0}, 0.15, {}}, b.material(lamp_of(100)));
+        expect_same(b.scene, small_image_settings(9, 9), 2048);
+    }
 }
 
 /// Meshes with smooth normals: shading normals differ from geometric ones, and are bent at silhouettes.
@@ -391,9 +224,7 @@ TEST(LightTracing, SmoothNormalsAreTheSame)
         room.scene.meshes.push_back(ball);
         const int number = room.material(m);
         room.scene.nodes[0].shapes.push_back({MeshInstance{0}, number, ""});
-        Material lamp;
-        lamp.kind = MaterialKind::none;
-        lamp.emission.radiance.value = {20, 20, 20};
+        const Material lamp = lamp_of(20);
         room.add(Rectangle{{-0.4, 1.99, -0.4}, {0.8, 0, 0}, {0, 0, 0.8}}, room.material(lamp));
         expect_same(room.scene, small_image_settings(18, 18), 512);
     }
@@ -536,9 +367,7 @@ TEST(LightTracing, MotionIsTheSame)
     Room room;
     room.with_rough_objects();
     room.add(Sphere{{0, 0.5, 0.5}, 0.2, Vec3d{0.3, 0.6, 0}}, room.material(conductor(0.4f)));
-    Material lamp;
-    lamp.kind = MaterialKind::none;
-    lamp.emission.radiance.value = {20, 20, 20};
+    const Material lamp = lamp_of(20);
     room.add(Sphere{{-0.3, 1.6, 0}, 0.1, Vec3d{0.6, 0, 0}}, room.material(lamp));
     room.scene.cameras[0].shutter_close = 1;
     expect_same(room.scene, small_image_settings(18, 18), 512);
@@ -552,9 +381,7 @@ TEST(LightTracing, LampsInsideMedia)
     m.interior.attenuation_color = {0.2f, 0.2f, 0.2f};
     m.interior.attenuation_distance = 0.3;
     room.add(Sphere{{0, 1, 0}, 0.5, {}}, room.material(m));
-    Material lamp;
-    lamp.kind = MaterialKind::none;
-    lamp.emission.radiance.value = {60, 60, 60};
+    const Material lamp = lamp_of(60);
     room.add(Sphere{{0, 1, 0}, 0.2, {}}, room.material(lamp));
     expect_same(room.scene, small_image_settings(18, 18), 512);
 }
@@ -562,9 +389,7 @@ TEST(LightTracing, LampsInsideMedia)
 TEST(LightTracing, LessNoiseWhereItFindsCaustics)
 {
     Room room;
-    Material lamp;
-    lamp.kind = MaterialKind::none;
-    lamp.emission.radiance.value = {2000, 2000, 2000};
+    const Material lamp = lamp_of(2000);
     room.add(Sphere{{0.3, 1.7, 0.2}, 0.03, {}}, room.material(lamp));
     room.add(Sphere{{0.3, 0.8, 0.2}, 0.4, {}}, room.material(dielectric()));
     // The camera sees the caustic on the floor, below the ball.
@@ -609,87 +434,6 @@ TEST(LightTracing, VarianceIsThatOfSeeds)
     // Stratified samples vary less than told.
     EXPECT_LT(actual, 1.2 * expected);
     EXPECT_GT(actual, 0.2 * expected);
-}
-
-LightTracingTrial trial_of(const SceneDescription& description, RenderSettings settings)
-{
-    Warnings warnings;
-    return try_light_tracing(RenderJob(Scene::compile(description, "", warnings), settings)).value();
-}
-
-/// A floor below a ball of glass and a small lamp; the camera sees the caustic only.
-SceneDescription caustic_of_lamp(double radius)
-{
-    SeenFloor b(100, 1);
-    b.add(Sphere{{0, 0.9, 0}, 0.4, {}}, b.material(dielectric()));
-    Material lamp;
-    lamp.kind = MaterialKind::none;
-    const float radiance = float(1 / (radius * radius));
-    lamp.emission.radiance.value = {radiance, radiance, radiance};
-    b.add(Sphere{{0.1, 2, 0.1}, radius, {}}, b.material(lamp));
-    return b.scene;
-}
-
-TEST(LightTracing, TrialUsesItForCaustics)
-{
-    const RenderSettings settings = small_image_settings(60, 60);
-    // A lamp without size lights the whole picture through the ball.
-    const LightTracingTrial spot = trial_of(Room().with_smooth_objects().with(lamps()[1].second).scene, settings);
-    EXPECT_GT(spot.light_paths, 0);
-    EXPECT_GT(spot.missing_light, 0.01);
-    const LightTracingTrial small = trial_of(caustic_of_lamp(0.03), settings);
-    EXPECT_GT(small.light_paths, 0);
-    EXPECT_GT(small.gain, 10);
-    EXPECT_EQ(small.missing_light, 0);
-    // Nothing is gained where light samples find everything.
-    const LightTracingTrial room = trial_of(Room().with_rough_objects().with_lamp().scene, settings);
-    EXPECT_EQ(room.light_paths, 0);
-    EXPECT_EQ(room.gain, 1);
-    RenderSettings without = settings;
-    without.light_sampling = false;
-    EXPECT_EQ(trial_of(caustic_of_lamp(0.03), without).light_paths, 0);
-}
-
-/// The gain that a trial tells is that of images: variance times rays.
-TEST(LightTracing, TrialTellsTheGain)
-{
-    for (const double radius : {0.05, 0.1}) {
-        const SceneDescription scene = caustic_of_lamp(radius);
-        RenderSettings settings = small_image_settings(60, 60);
-        const LightTracingTrial trial = trial_of(scene, settings);
-        ASSERT_GT(trial.light_paths, 0);
-        settings.light_paths = 1;
-        const Image bright = render_film(scene, settings, 256).image(false, false);
-        const auto noise = [&](double light_paths) {
-            settings.light_paths = light_paths;
-            const Image image = render_film(scene, settings, 256).image(false, true);
-            double sum = 0;
-            for (std::size_t i = 0; i < bright.layers[0].pixels.size(); ++i) {
-                const double pixel = bright.layers[0].pixels[i];
-                sum += double(image.find("variance")->pixels[i]) / (pixel * pixel + 1e-4);
-            }
-            return sum;
-        };
-        const double fewer = noise(0) / noise(trial.light_paths);
-        // The trial divides the ratio of variances by that of times, at most four times as long per light path and
-        // pixel.
-        EXPECT_LT(trial.gain, 2 * fewer) << radius << " " << fewer;
-        EXPECT_GT(trial.gain, fewer / (2 * (1 + 4 * trial.light_paths))) << radius;
-    }
-}
-
-TEST(LightTracing, TrialDoesNotDependOnThreads)
-{
-    RenderSettings settings = small_image_settings(60, 40);
-    settings.threads = 1;
-    const LightTracingTrial one = trial_of(caustic_of_lamp(0.1), settings);
-    settings.threads = 3;
-    const LightTracingTrial three = trial_of(caustic_of_lamp(0.1), settings);
-    EXPECT_EQ(one.gain, three.gain);
-    EXPECT_EQ(one.light_paths, three.light_paths);
-    std::atomic<bool> cancel = true;
-    Warnings warnings;
-    EXPECT_FALSE(try_light_tracing(RenderJob(Scene::compile(caustic_of_lamp(0.1), "", warnings), settings), &cancel));
 }
 
 TEST(LightTracing, BitsDoNotDependOnThreadsAndParts)
