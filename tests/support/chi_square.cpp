@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <numeric>
 #include <sstream>
 
 namespace fathom::test {
@@ -27,7 +28,47 @@ int cell_of(const Direction& d)
     return i * phi_cells + j;
 }
 
+/// Midpoint rule over a cell with sub * sub points.
+double midpoints(const std::function<double(Direction)>& f, int i, int j, int sub)
+{
+    double sum = 0;
+    for (int a = 0; a < sub; ++a) {
+        const double theta = std::numbers::pi * (i + (a + 0.5) / sub) / theta_cells;
+        for (int b = 0; b < sub; ++b)
+            sum += std::sin(theta) * f(direction(theta, 2 * std::numbers::pi * (j + (b + 0.5) / sub) / phi_cells));
+    }
+    return sum / (sub * sub) * 2 * std::numbers::pi * std::numbers::pi / (theta_cells * phi_cells);
+}
+
+/// True if a cell at (i, j) is zero and one beside it is not, so that an edge of the support may run through it.
+bool is_at_edge(const std::vector<double>& cells, int i, int j)
+{
+    const auto at = [&](int row, int column) {
+        return cells[std::size_t(row * phi_cells + (column + phi_cells) % phi_cells)];
+    };
+    if (at(i, j) != 0) return false;
+    return at(i, j - 1) != 0 || at(i, j + 1) != 0 || (i > 0 && at(i - 1, j) != 0) ||
+           (i + 1 < theta_cells && at(i + 1, j) != 0);
+}
+
 }  // namespace
+
+std::vector<double> integrate_cells(const std::function<double(Direction)>& f)
+{
+    std::vector<double> coarse, finer;
+    for (int i = 0; i < theta_cells; ++i)
+        for (int j = 0; j < phi_cells; ++j) {
+            coarse.push_back(midpoints(f, i, j, 5));
+            finer.push_back(midpoints(f, i, j, 8));
+        }
+    std::vector<double> cells = finer;
+    for (std::size_t cell = 0; cell < cells.size(); ++cell) {
+        const int i = int(cell) / phi_cells, j = int(cell) % phi_cells;
+        const bool is_smooth = std::abs(coarse[cell] - finer[cell]) <= 5e-4 * finer[cell];
+        if (!is_smooth || is_at_edge(finer, i, j)) cells[cell] = midpoints(f, i, j, 24);
+    }
+    return cells;
+}
 
 double integrate_sphere(const std::function<double(Direction)>& f, int theta_steps, int phi_steps)
 {
@@ -72,24 +113,18 @@ std::string chi_square(const std::vector<double>& observed, const std::vector<do
     return text.str();
 }
 
+std::string chi_square_of_cells(const std::vector<Direction>& samples, const std::vector<double>& cells)
+{
+    std::vector<double> observed(cells.size()), expected;
+    for (const Direction& d : samples) ++observed[std::size_t(cell_of(d))];
+    const double total = std::accumulate(cells.begin(), cells.end(), 0.0);
+    for (const double cell : cells) expected.push_back(cell / total * double(samples.size()));
+    return chi_square(observed, expected);
+}
+
 std::string chi_square_directions(const std::vector<Direction>& samples, const std::function<double(Direction)>& pdf)
 {
-    std::vector<double> observed(theta_cells * phi_cells), expected(theta_cells * phi_cells);
-    for (const Direction& d : samples) ++observed[std::size_t(cell_of(d))];
-    constexpr int sub = 24;
-    for (int i = 0; i < theta_cells; ++i)
-        for (int j = 0; j < phi_cells; ++j) {
-            double sum = 0;
-            for (int a = 0; a < sub; ++a)
-                for (int b = 0; b < sub; ++b) {
-                    const double theta = std::numbers::pi * (i + (a + 0.5) / sub) / theta_cells;
-                    sum += std::sin(theta) *
-                           pdf(direction(theta, 2 * std::numbers::pi * (j + (b + 0.5) / sub) / phi_cells));
-                }
-            expected[std::size_t(i * phi_cells + j)] = sum / (sub * sub) * 2 * std::numbers::pi * std::numbers::pi /
-                                                       (theta_cells * phi_cells) * double(samples.size());
-        }
-    return chi_square(observed, expected);
+    return chi_square_of_cells(samples, integrate_cells(pdf));
 }
 
 }  // namespace fathom::test

@@ -147,9 +147,8 @@ TEST(Hair, WhiteFurnaceAcrossTheWidth)
             double sum = 0;
             constexpr int steps = 32;
             for (int i = 0; i < steps; ++i)
-                sum += draw(Fibre{.beta_m = beta, .beta_n = beta, .h = (i + 0.5) * 2 / steps - 1}.bsdf(),
-                            outgoing(degrees), 4000)
-                           .albedo;
+                sum += albedo_of(Fibre{.beta_m = beta, .beta_n = beta, .h = (i + 0.5) * 2 / steps - 1}.bsdf(),
+                                 outgoing(degrees), 4000);
             EXPECT_NEAR(sum / steps, 1, 1e-3) << beta << " " << degrees;
         }
 }

@@ -101,7 +101,7 @@ TEST(Layered, SamplingAgreesWithItsDensity)
 
 /// Albedo, with the eta^2 scaling of radiance undone, and its standard error.
 template <class Bsdf>
-std::pair<double, double> albedo_of(const Bsdf& bsdf, double degrees, int n = 12000)
+std::pair<double, double> unscaled_albedo(const Bsdf& bsdf, double degrees, int n = 12000)
 {
     Random random;
     double sum = 0, squares = 0;
@@ -120,7 +120,7 @@ template <class Bsdf>
 void expect_white(const LayeredMaterialPoint& m, const char* what)
 {
     for (const double degrees : {0.0, 50.0, 80.0}) {
-        const auto [albedo, error] = albedo_of(Bsdf(m), degrees);
+        const auto [albedo, error] = unscaled_albedo(Bsdf(m), degrees);
         EXPECT_NEAR(albedo, 1, 0.005 + 4 * error) << what << " at " << degrees;
     }
 }
@@ -129,7 +129,7 @@ void expect_white(const LayeredMaterialPoint& m, const char* what)
 void expect_nearly_white(const LayeredMaterialPoint& m, const char* what)
 {
     for (const double degrees : {0.0, 50.0, 80.0}) {
-        const auto [albedo, error] = albedo_of(Passing(m), degrees);
+        const auto [albedo, error] = unscaled_albedo(Passing(m), degrees);
         EXPECT_NEAR(albedo, 1, 0.02 + 4 * error) << what << " at " << degrees;
     }
 }
@@ -177,7 +177,7 @@ TEST(Layered, ConservesEnergy)
         for (const float roughness : {0.0f, 0.3f, 1.0f})
             for (const float metallic : {0.0f, 1.0f}) {
                 const auto check = [&](const auto& bsdf, const char* what) {
-                    const auto [albedo, error] = albedo_of(bsdf, degrees, 6000);
+                    const auto [albedo, error] = unscaled_albedo(bsdf, degrees, 6000);
                     EXPECT_LT(albedo, 1.005 + 4 * error)
                         << what << " at " << degrees << ", roughness " << roughness << ", metallic " << metallic;
                 };
@@ -387,7 +387,7 @@ TEST(Layered, DiffuseTransmissionMayBeAdded)
     EXPECT_NEAR(reflected(), 0.6, 1e-5);
     EXPECT_NEAR(passed(), 0.25, 1e-5);
     check_sampling(Passing(m), 50, "added");
-    EXPECT_NEAR(albedo_of(Passing(m), 50).first, 0.85, 0.01);
+    EXPECT_NEAR(unscaled_albedo(Passing(m), 50).first, 0.85, 0.01);
 }
 /// A thin surface has one boundary: only the reflected part is removed from straight transmission.
 TEST(Layered, ThinReflectsOnce)
@@ -424,10 +424,11 @@ TEST(Layered, EdgeColor)
 {
     LayeredMaterialPoint m = layers(0.4f, 0.05f, 1);
     const double degrees = std::acos(1.0 / 7) * 180 / std::numbers::pi;
-    const double before = albedo_of(Opaque(m), degrees, 40000).first, head_on = albedo_of(Opaque(m), 0, 40000).first;
+    const double before = unscaled_albedo(Opaque(m), degrees, 40000).first,
+                 head_on = unscaled_albedo(Opaque(m), 0, 40000).first;
     m.layers.edge_color = gray(0.5f);
-    EXPECT_NEAR(albedo_of(Opaque(m), degrees, 40000).first / before, 0.5, 0.01);
-    EXPECT_NEAR(albedo_of(Opaque(m), 0, 40000).first, head_on, 1e-3);
+    EXPECT_NEAR(unscaled_albedo(Opaque(m), degrees, 40000).first / before, 0.5, 0.01);
+    EXPECT_NEAR(unscaled_albedo(Opaque(m), 0, 40000).first, head_on, 1e-3);
 }
 
 /// Reflectance by Fresnel's equations for a complex index of refraction.

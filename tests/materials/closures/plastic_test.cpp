@@ -17,7 +17,7 @@ PlasticPoint plastic(float color, float roughness, float ior = 1.5f, bool compen
 
 double albedo(const PlasticPoint& m, double degrees)
 {
-    return draw(PlasticBsdf(m), outgoing(degrees), 400000).albedo;
+    return albedo_of(PlasticBsdf(m), outgoing(degrees));
 }
 
 TEST(Plastic, Sampling)
@@ -142,7 +142,7 @@ double random_walk_albedo(double alpha, double color, double ior, double degrees
         const double k = std::sqrt(n.x * n.x + n.y * n.y + n.z * n.z);
         return V{n.x / k, n.y / k, n.z / k};
     };
-    constexpr int paths = 200000;
+    constexpr int paths = 100000;
     double sum = 0;
     for (int i = 0; i < paths; ++i) {
         const double t = degrees * std::numbers::pi / 180;
