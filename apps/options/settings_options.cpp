@@ -107,7 +107,7 @@ RenderSettings resolve_settings(const SettingsOptions& o, const RenderHints& hin
     settings.filter = o.filter.value_or(settings.filter);
     settings.light_selection = o.light_selection;
     settings.guiding = o.guiding.value_or(false);
-    settings.light_paths = o.caustics.value_or(false) ? 1 : 0;
+    settings.light_paths = o.caustics.value_or(false) ? usual_light_paths : 0;
     settings.background = o.background ? o.background : hints.background;
     settings.alpha = o.transparent;
     if (o.clamp_indirect) settings.clamp_indirect = float(*o.clamp_indirect);

@@ -323,7 +323,7 @@ void decide_on_caustics(const LitScene& lit, const CausticsChoice& choice, Rende
                                 ? fmt::format("{:.2g} % of the light would be missing", 100 * trial.missing_light)
                                 : std::string("a trial shows less noise for the time")));
     } else if (!refracted.empty() && settings.light_sampling && choice.wanted.value_or(true)) {
-        settings.light_paths = 1;
+        settings.light_paths = usual_light_paths;
         if (!choice.wanted)
             reporter.note(fmt::format("caustics: on, because {} (disable them with --caustics off)", refracted));
     }

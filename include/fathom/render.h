@@ -57,7 +57,7 @@ struct LightTracingTrial {
     double missing_light = 0;
 };
 /// Renders a small image with few samples to find out whether light tracing reduces the noise for the time that it
-/// takes. It takes about as long as 300,000 samples of the image.
+/// takes. It takes about as long as 500,000 samples of the image.
 ///
 /// job     What would be rendered; its own number of light paths does not matter.
 /// cancel  If not null and set to true by another thread, the trial stops soon.

@@ -34,7 +34,7 @@ KernelSettings without_light_samples(KernelSettings settings)
 class LightTracer {
 public:
     LightTracer(const LaneScene& scene, const CameraRecord& camera, const KernelSettings& settings,
-                const LightPathJob& job, std::vector<LightSplat>& splats, KernelCounters& counters)
+                const LightPathJob& job, LightPathResults& results, KernelCounters& counters)
         : scene_(scene),
           tables_(scene.tables),
           camera_(camera),
@@ -43,13 +43,13 @@ public:
           surfaces_(scene),
           materials_(scene),
           lights_(scene, settings.light_selection, false),
-          emitter_(scene, lights_),
+          emitter_(scene, lights_, settings.light_targets),
           media_(scene, emitter_, camera.shutter_open),
           connector_(camera, settings_),
           pixels_(scene, settings_),
           light_paths_(float(settings.light_paths)),
           columns_(columns_of(scene, settings_)),
-          splats_(splats),
+          results_(results),
           counters_(counters),
           clock_(counters, settings.measure),
           sorter_(scene),
@@ -206,6 +206,7 @@ private:
         clock_.enter(RenderStage::surface);
         count_vertices(counters_, valid);
         const Vertex v = load_vertex(i, valid);
+        if (results_.records_arrivals) record_arrivals(v);
         PathPool& p = *paths_;
         p.radiance.store(i, Spectrum(Float(0)), valid);
         if constexpr (Closure::is_fiber) {
@@ -242,6 +243,26 @@ private:
                 light,
                 hit.t + p.exit_offset.load(i),
                 any(first) ? lights_.is_unhittable(light, first) : Mask(false)};
+    }
+
+    void record_arrivals(const Vertex& v)
+    {
+        const PathPool& p = *paths_;
+        float distance[lanes], pdf[lanes];
+        store(distance, v.distance);
+        store(pdf, emitter_.own_density(v.light, -v.hit.d, v.distance, v.hit.time, v.is_first).direction);
+        for (std::size_t k = 0; k < lanes; ++k) {
+            const std::size_t i = v.i + k;
+            if (!(mask_bits(v.is_first) >> k & 1)) continue;
+            const float t = sorter_.hits().t[i];
+            const Vec3f d{p.direction.x[i], p.direction.y[i], p.direction.z[i]};
+            results_.arrivals.push_back({reverse_bits_scalar(p.reversed_index[i]),
+                                         p.number[i],
+                                         {p.origin.x[i] + d.x * t, p.origin.y[i] + d.y * t, p.origin.z[i] + d.z * t},
+                                         d,
+                                         distance[k],
+                                         pdf[k]});
+        }
     }
 
     template <class Closure>
@@ -283,14 +304,14 @@ private:
     /// light_end() of paths at their first vertex. scatter_pdf: density with which the path tracer samples the
     /// direction of the light by the closure. is_delta: lanes where it scatters by a delta lobe, so that it samples no
     /// light.
-    Float light_end_of(const Vertex& v, const Vec3& eye, Float scatter_pdf, Mask is_delta) const
+    Float light_end_of(const Vertex& v, const Vec3& eye, Float scatter_pdf, Mask is_delta, Mask is_direct) const
     {
         const Vec3 wi = -v.hit.d;
         const Float time = v.hit.time;
         const Float emission = emitter_.density(v.light, eye, wi, v.distance, time, v.is_first) * Float(light_paths_);
         const Float nee_pdf = lights_.any_density_of(v.light, eye, time, wi, v.distance, v.is_first);
         return light_end(emission, path_variants(select(is_delta, Float(0), nee_pdf),
-                                                 select(is_delta, Float(1), scatter_pdf), v.unhittable));
+                                                 select(is_delta, Float(1), scatter_pdf), is_direct, v.unhittable));
     }
 
     /// Connects the vertex to the camera.
@@ -310,10 +331,13 @@ private:
         const Float cosine_light = max(abs(dot(v.hit.d, seen.ng)), Float(1e-20f)), cosine = abs(dot(c.d, seen.ng));
         const Float pixels = connector_.pixels_per_area(c.d, c.distance) * cosine;
         Float end = paths_->connection.load(v.i);
-        if (any(v.is_first)) end = select(v.is_first, light_end_of(v, at.eye(), e.pdf, Mask(false)), end);
+        if (any(v.is_first)) end = select(v.is_first, light_end_of(v, at.eye(), e.pdf, Mask(false), Mask(true)), end);
         const Float connection = pixels * e.pdf / cosine_light;
         const Float weight = light_tracing_weight(connection, end);
-        light = light * e.f_cos * (pixels * weight / cosine_light);
+        // Most connections bring little that path tracing does not find with little noise: few of them are traced.
+        const Float survival = min(weight * Float(1 / weight_of_sure_connection), Float(1));
+        m &= sample_2d(v.random.key, pair_seed(v.random.seed, pair_connection_roulette)).x < survival;
+        light = light * e.f_cos * (pixels * weight / (cosine_light * survival));
         m &= any_positive(light);
         if (none(m)) return;
         const Sample2 film = sample_2d(v.random.key, pair_seed(v.random.seed, pair_connection_film));
@@ -397,8 +421,10 @@ private:
             if (!any) continue;
             const SplatPixel::Place to = pixels_.choose(film_x_[i], film_y_[i], film_u_[i], film_v_[i]);
             if (!to.valid) continue;
-            splats_.push_back(
-                {to.pixel, {light[0] * to.weight, light[1] * to.weight, light[2] * to.weight}, path_ratio_[i]});
+            results_.splats.push_back({to.pixel,
+                                       {light[0] * to.weight, light[1] * to.weight, light[2] * to.weight},
+                                       path_ratio_[i],
+                                       reverse_bits_scalar(p.reversed_index[i])});
         }
     }
 
@@ -432,7 +458,7 @@ private:
 
         Float end = p.connection.load(i);
         if (any(v.is_first & !undeflected))
-            end = select(v.is_first, light_end_of(v, at.eye(), e.pdf, next.is_delta), end);
+            end = select(v.is_first, light_end_of(v, at.eye(), e.pdf, next.is_delta, Mask(false)), end);
         p.connection.store(i, end, v.valid & !undeflected);
         advance(v, at, next, throughput, continues, undeflected, no_bounce);
     }
@@ -484,7 +510,7 @@ private:
     const SplatPixel pixels_;
     const float light_paths_;
     const PathColumns columns_;
-    std::vector<LightSplat>& splats_;
+    LightPathResults& results_;
     KernelCounters& counters_;
     StageClock clock_;
     std::uint32_t next_ = 0;  ///< number of the job's next path, from its first
@@ -510,10 +536,10 @@ private:
 }  // namespace FATHOM_LANES
 
 void trace_light_paths(const KernelScene& scene, const CameraRecord& camera, const KernelSettings& settings,
-                       const LightPathJob& job, std::vector<LightSplat>& splats, KernelCounters& counters)
+                       const LightPathJob& job, LightPathResults& results, KernelCounters& counters)
 {
     const std::unique_ptr<LightTracer> tracer(
-        new LightTracer(static_cast<const LaneScene&>(scene), camera, settings, job, splats, counters));
+        new LightTracer(static_cast<const LaneScene&>(scene), camera, settings, job, results, counters));
     tracer->run();
 }
 

@@ -33,7 +33,7 @@ public:
           surfaces_(scene),
           materials_(scene),
           lights_(scene, settings.light_selection, false),
-          emitter_(scene, lights_),
+          emitter_(scene, lights_, settings.light_targets),
           settings_(settings),
           lights_are_sampled_(settings.light_sampling && !tables_.lights.empty()),
           columns_(path_columns(scene.features, settings, job.records != nullptr)),
@@ -318,8 +318,9 @@ private:
                                      Float nee_pdf, Mask m) const
     {
         const Float emission = emitter_.density(light, o, d, distance, time, m) * Float(float(settings_.light_paths));
+        const Float scatter_pdf = paths_->scatter_pdf.gather(index, m);
         return path_tracing_weight(paths_->connection.gather(index, m), emission,
-                                   path_variants(nee_pdf, paths_->scatter_pdf.gather(index, m), Mask(false)));
+                                   path_variants(nee_pdf, abs(scatter_pdf), scatter_pdf < Float(0), Mask(false)));
     }
 
     void add_environment(std::size_t at, Mask m)

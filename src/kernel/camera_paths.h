@@ -22,7 +22,8 @@ enum BouncePair : std::uint32_t {
     pair_light_chance,
     pair_shadow_chance,
     pair_connection_lens,
-    pair_connection_film
+    pair_connection_film,
+    pair_connection_roulette
 };
 
 /// Generates the camera rays of a job. Paths are numbered pixel by pixel, then sample by sample.

@@ -14,6 +14,7 @@
 #include "guiding/records.h"
 #include "kernel/camera_record.h"
 #include "kernel/tables.h"
+#include "lights/targets.h"
 
 namespace fathom {
 
@@ -63,6 +64,7 @@ struct KernelSettings {
     /// Light paths per sample index of the whole image (trace_light_paths); 0: no light tracing. The path tracer then
     /// weights what it finds against what light tracing finds.
     std::uint32_t light_paths = 0;
+    const LightTargets* light_targets = nullptr;  ///< aims light paths if not null
 
     /// Whether light sampling is skipped at some vertices by chance: see PathPool::nee_probability.
     bool skips_light_samples() const { return guiding && !guiding->nee_factors.empty(); }
@@ -84,12 +86,32 @@ struct LightPathJob {
     std::uint32_t first = 0, count = 0;
 };
 
+/// Russian roulette ends connections of light paths to the camera with a probability that is proportional to their
+/// weight against path tracing below this one.
+inline constexpr float weight_of_sure_connection = 0.1f;
+
 /// Light that a light path brings to a pixel, to be added to a sample of the pixel.
 struct LightSplat {
     std::uint32_t pixel;  ///< x in the low 16 bits, y above
     float value[3];
     /// Squared ratio of the density with which path tracing finds the path to that of light tracing; 0: it cannot.
     float path_ratio;
+    std::uint32_t path;  ///< number of the light path
+};
+
+/// Where a light path comes to its first surface; panes that it passes straight on do not count.
+struct LightArrival {
+    std::uint32_t path, light;
+    Vec3f position, direction;
+    float distance;  ///< from the light, or from the border of the scene
+    float own_pdf;   ///< EmissionDensity::direction
+};
+
+/// What trace_light_paths() appends to.
+struct LightPathResults {
+    std::vector<LightSplat> splats;
+    bool records_arrivals = false;
+    std::vector<LightArrival> arrivals;  ///< if records_arrivals
 };
 
 /// Point at which a texture is evaluated before the scene is compiled.
@@ -115,9 +137,9 @@ FATHOM_API std::unique_ptr<KernelScene> make_kernel_scene(std::shared_ptr<const 
 /// Renders a job and adds its samples to `sums`, indexed by the position of the pixel in job.pixels.
 FATHOM_API void render_job(const KernelScene& scene, const CameraRecord& camera, const KernelSettings& settings,
                            const KernelJob& job, TileSums& sums, KernelCounters& counters);
-/// Traces light paths, connects their vertices to the camera, and appends what they bring to `splats`.
+/// Traces light paths, connects their vertices to the camera, and appends what they bring to `results`.
 FATHOM_API void trace_light_paths(const KernelScene& scene, const CameraRecord& camera, const KernelSettings& settings,
-                                  const LightPathJob& job, std::vector<LightSplat>& splats, KernelCounters& counters);
+                                  const LightPathJob& job, LightPathResults& results, KernelCounters& counters);
 /// Evaluates one channel of a texture at `count` points by the code that shading uses.
 FATHOM_API void look_up_texture(const ShadingTables& tables, std::uint32_t texture, std::uint32_t channel,
                                 const KernelTexturePoint* points, std::size_t count, float* values);

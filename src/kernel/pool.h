@@ -130,8 +130,9 @@ struct PathPool {
     /// Extinction and single-scattering albedo of textured media, fixed on entry; negative extinction: use the
     /// medium's.
     SpectrumColumn walk_extinction, walk_albedo;
-    Column<float> connection;   ///< what the weight against light tracing needs: see integrate/stages/light_tracing.h
-    Column<float> scatter_pdf;  ///< density with which the closure alone samples the last direction
+    Column<float> connection;  ///< what the weight against light tracing needs: see integrate/stages/light_tracing.h
+    /// Density with which the closure alone samples the last direction; negative if no vertex came before.
+    Column<float> scatter_pdf;
 
     /// Calls f(column of a, column of b) for each column that lives on to the next surface and beyond.
     template <class F>

@@ -44,11 +44,13 @@ RenderJob::RenderJob(const Scene& scene, const Camera& camera, const RenderSetti
     if (tables.moving && (record.shutter_open != tables.shutter_open || record.shutter_close != tables.shutter_close))
         throw Error("", fmt::format("camera '{}'", camera.name),
                     "its shutter times differ from those that the moving scene was compiled for");
-    data_ = std::make_shared<const Data>(Data{scene,
-                                              camera,
-                                              record,
-                                              {settings, compiled.key(record)},
-                                              settings.guiding ? std::make_unique<TrainedGuiding>() : nullptr});
+    data_ = std::make_shared<const Data>(
+        Data{scene,
+             camera,
+             record,
+             {settings, compiled.key(record)},
+             settings.guiding ? std::make_unique<TrainedGuiding>() : nullptr,
+             settings.light_paths > 0 ? std::make_unique<LearnedLightTargets>() : nullptr});
 }
 
 const Scene& RenderJob::scene() const

@@ -5,6 +5,7 @@
 
 #include "compile/scene_data.h"
 #include "guiding/records.h"
+#include "lights/targets.h"
 
 namespace fathom {
 
@@ -14,13 +15,20 @@ struct TrainedGuiding {
     std::shared_ptr<const GuidingTables> tables;
 };
 
+/// What the light paths of a job are aimed at, learned when its first samples are rendered.
+struct LearnedLightTargets {
+    std::once_flag once;
+    std::unique_ptr<const LightTargets> targets;
+};
+
 /// A job: the scene, its camera and settings (in the key), and the guiding tables once they are learned.
 struct RenderJob::Data {
     Scene scene;
     Camera camera;  ///< in world space
     CameraRecord camera_record;
     FilmKey key;
-    std::unique_ptr<TrainedGuiding> guiding;  ///< null if the settings don't ask for guiding
+    std::unique_ptr<TrainedGuiding> guiding;             ///< null if the settings don't ask for guiding
+    std::unique_ptr<LearnedLightTargets> light_targets;  ///< null without light paths
 };
 
 }  // namespace fathom

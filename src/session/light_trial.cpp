@@ -3,110 +3,32 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <memory>
 #include <vector>
 
-#include <tbb/parallel_for.h>
-
-#include "film/film_data.h"
 #include "session/guiding.h"
-#include "session/variance_estimate.h"
+#include "session/light_targets.h"
+#include "session/trial_image.h"
 
 namespace fathom {
 
 namespace {
 
-/// The trial's image has about this number of pixels.
-constexpr double trial_pixels = 5000;
-/// Sets of stratified samples with independent random numbers, and samples per set.
-constexpr std::size_t trial_sets = 8, set_samples = 4;
-constexpr std::size_t trial_samples = trial_sets * set_samples;
-constexpr std::uint32_t trial_pixels_per_job = 512, trial_light_paths_per_job = 4096;
+/// Sets of stratified samples with independent random numbers.
+constexpr std::size_t trial_sets = 8, trial_samples = trial_sets * set_samples;
 /// Numbers of light paths per pixel among which the trial chooses.
-constexpr double choices[] = {0.25, 1, 4};
+constexpr double choices[] = {0.0625, 0.25, 1, 4};
 /// Measured cost of a ray of a light path, with its part of shading and splats, relative to one of a camera path.
 /// Without a BVH rays cost little, so that the rest counts for more.
-constexpr double light_ray_cost = 1.8, light_ray_cost_without_tree = 4;
+constexpr double light_ray_cost = 1.8, light_ray_cost_without_tree = 2.5;
 /// Cost of a ray of the loop for quads alone, which does without the weights that light tracing needs.
 constexpr double quad_ray_cost = 0.3;
 /// Light tracing must promise this gain: the estimate is up to three times too high.
 constexpr double least_gain = 2.5;
 /// Fraction of the image's light, missing without light tracing, for which it is always used.
 constexpr double max_missing = 1e-3;
-
-/// Costs and pixels of the trial's image.
-struct TrialImage {
-    KernelSettings settings;
-    std::vector<std::uint32_t> pixels;
-
-    explicit TrialImage(const KernelSettings& of) : settings(of)
-    {
-        const double aspect = double(of.width) / of.height;
-        settings.width = std::clamp(int(std::lround(std::sqrt(trial_pixels * aspect))), 1, of.width);
-        settings.height = std::clamp(int(std::lround(trial_pixels / settings.width)), 1, of.height);
-        settings.aovs = {};
-        settings.film_words = std::size_t(FilmLayout({}, false).words);
-        settings.guiding = nullptr;
-        settings.measure = false;
-        settings.light_paths = std::uint32_t(settings.width) * std::uint32_t(settings.height);
-        for (int y = 0; y < settings.height; ++y)
-            for (int x = 0; x < settings.width; ++x) pixels.push_back(std::uint32_t(y) << 16 | std::uint32_t(x));
-    }
-    std::size_t index(std::uint32_t pixel) const
-    {
-        return std::size_t(pixel >> 16) * std::size_t(settings.width) + (pixel & 0xffff);
-    }
-    KernelSettings salted(std::size_t set) const
-    {
-        KernelSettings s = settings;
-        s.seed ^= 0x2545f491u + 0x9e3779b9u * std::uint32_t(set);
-        return s;
-    }
-};
-
-/// Mean over the channels.
-double brightness(const float* value)
-{
-    return (double(value[0]) + double(value[1]) + double(value[2])) / 3;
-}
-
-/// Statistics of camera paths, by pixel: mean, and variance of a sample.
-struct CameraStatistics {
-    std::vector<PixelVariance> pixels;
-    double rays = 0;  ///< per sample of the image
-};
-
-CameraStatistics trace_camera_paths(const KernelScene& scene, const CameraRecord& camera, const TrialImage& image,
-                                    const std::atomic<bool>* cancel)
-{
-    const std::size_t count = image.pixels.size(), jobs = (count + trial_pixels_per_job - 1) / trial_pixels_per_job;
-    std::vector<std::vector<float>> means(trial_sets, std::vector<float>(count));
-    std::vector<double> rays(trial_sets * jobs);
-    tbb::parallel_for(std::size_t(0), trial_sets * jobs, [&](std::size_t i) {
-        if (cancel && *cancel) return;
-        const std::size_t set = i / jobs, first = i % jobs * trial_pixels_per_job,
-                          size = std::min<std::size_t>(trial_pixels_per_job, count - first);
-        TileSums sums;
-        sums.reset(size, image.settings.film_words);
-        KernelCounters counters;
-        render_job(scene, camera, image.salted(set),
-                   {&image.pixels[first], std::uint32_t(size), 0, std::uint32_t(set_samples)}, sums, counters);
-        std::vector<std::uint32_t> words(image.settings.film_words);
-        std::vector<double> slow(size);
-        for (const TileSums::Slow& s : sums.slow()) slow[s.pixel] += brightness(s.value);
-        for (std::size_t k = 0; k < size; ++k) {
-            std::fill(words.begin(), words.end(), 0u);
-            sums.add_to(std::uint32_t(k), words.data(), 0, -1);
-            double sum = slow[k];
-            for (int c = 0; c < 3; ++c) sum += ExactSum::value(radiance_sum(words.data(), c)) / 3;
-            means[set][first + k] = float(sum / double(set_samples));
-        }
-        rays[i] = double(counters.costs.all_rays());
-    });
-    CameraStatistics result{pixel_variances(means, 1), 0};
-    for (PixelVariance& p : result.pixels) p.variance *= double(set_samples);
-    for (const double r : rays) result.rays += r / double(trial_samples);
-    return result;
-}
 
 /// First and second moments of what path tracing finds.
 struct Moments {
@@ -133,7 +55,9 @@ struct SplatSums {
     {
         const double value = brightness(splat.value), ratio = double(splat.path_ratio), all = value * (1 + ratio);
         found += value;
-        const double square = all * all, by_path = ratio > 0 ? square / std::sqrt(ratio) : 0;
+        // Roulette of connections divided the value by the probability to survive, which is also that of its square.
+        const double survival = std::min(1 / (1 + ratio) / double(weight_of_sure_connection), 1.0);
+        const double square = all * all * survival, by_path = ratio > 0 ? square / std::sqrt(ratio) : 0;
         if (ratio > 0)
             alone.add(all, by_path);
         else
@@ -154,24 +78,11 @@ struct LightStatistics {
 LightStatistics trace_light(const KernelScene& scene, const CameraRecord& camera, const TrialImage& image,
                             const std::atomic<bool>* cancel)
 {
-    const std::uint32_t paths = image.settings.light_paths,
-                        jobs = (paths + trial_light_paths_per_job - 1) / trial_light_paths_per_job;
-    std::vector<std::vector<LightSplat>> splats(trial_samples * jobs);
-    std::vector<double> rays(splats.size());
-    tbb::parallel_for(std::size_t(0), splats.size(), [&](std::size_t i) {
-        if (cancel && *cancel) return;
-        const std::uint32_t first = std::uint32_t(i) % jobs * trial_light_paths_per_job;
-        KernelCounters counters;
-        trace_light_paths(scene, camera, image.salted(trial_sets),
-                          {std::uint32_t(i) / jobs, first, std::min(trial_light_paths_per_job, paths - first)},
-                          splats[i], counters);
-        rays[i] = double(counters.costs.all_rays());
-    });
-    LightStatistics result{std::vector<SplatSums>(image.pixels.size()), 0};
-    for (const std::vector<LightSplat>& list : splats)
-        for (const LightSplat& splat : list)
+    const LightSamples samples = trace_light_samples(scene, camera, image, trial_sets, trial_samples, false, cancel);
+    LightStatistics result{std::vector<SplatSums>(image.pixels.size()), samples.rays};
+    for (const LightPathResults& job : samples.jobs)
+        for (const LightSplat& splat : job.splats)
             if (std::isfinite(brightness(splat.value))) result.pixels[image.index(splat.pixel)].add(splat);
-    for (const double r : rays) result.rays += r / double(trial_samples);
     return result;
 }
 
@@ -188,11 +99,13 @@ double relative_noise(const CameraStatistics& camera, const LightStatistics& lig
 
 }  // namespace
 
-LightTracingTrial run_light_trial(const KernelScene& scene, const CameraRecord& camera, const KernelSettings& settings,
-                                  double rendered, const std::atomic<bool>* cancel)
+LightTracingTrial run_light_trial(const KernelScene& scene, const LightTables& lights, const CameraRecord& camera,
+                                  const KernelSettings& settings, double rendered, const std::atomic<bool>* cancel)
 {
-    const TrialImage image(settings);
-    const CameraStatistics paths = trace_camera_paths(scene, camera, image, cancel);
+    const std::unique_ptr<const LightTargets> targets = learn_light_targets(scene, lights, camera, settings, cancel);
+    TrialImage image(settings);
+    image.settings.light_targets = targets.get();
+    const CameraStatistics paths = trace_camera_paths(scene, camera, image, trial_sets, cancel);
     const LightStatistics light = trace_light(scene, camera, image, cancel);
     if (cancel && *cancel) throw Cancelled();
     double total = 0, missing = 0;
@@ -205,7 +118,7 @@ LightTracingTrial run_light_trial(const KernelScene& scene, const CameraRecord& 
     if (!(total > 0)) return trial;
     trial.missing_light = missing / total;
     const std::vector<double> squares = squared_brightness(bright);
-    constexpr std::size_t traced = 1;  // the choice that the trial's image was rendered with
+    constexpr std::size_t traced = 2;  // the choice that the trial's image was rendered with
     static_assert(choices[traced] == 1);
     const double ray_cost = scene.has_quad_loop() ? quad_ray_cost : 1,
                  light_cost = scene.has_tree() ? light_ray_cost : light_ray_cost_without_tree;

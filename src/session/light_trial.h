@@ -4,6 +4,7 @@
 
 #include "fathom/render.h"
 #include "kernel/kernel.h"
+#include "lights/records.h"
 
 namespace fathom {
 
@@ -16,7 +17,7 @@ namespace fathom {
 /// rendered  fraction of the image's pixels that will be rendered
 ///
 /// Throws Cancelled when `cancel` becomes true.
-LightTracingTrial run_light_trial(const KernelScene& scene, const CameraRecord& camera, const KernelSettings& settings,
-                                  double rendered, const std::atomic<bool>* cancel);
+LightTracingTrial run_light_trial(const KernelScene& scene, const LightTables& lights, const CameraRecord& camera,
+                                  const KernelSettings& settings, double rendered, const std::atomic<bool>* cancel);
 
 }  // namespace fathom

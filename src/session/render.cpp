@@ -21,6 +21,7 @@
 #include "kernel/kernel.h"
 #include "session/guiding.h"
 #include "session/job.h"
+#include "session/light_targets.h"
 #include "session/light_trial.h"
 
 namespace fathom {
@@ -73,6 +74,20 @@ const GuidingTables* guiding_of(const RenderJob& job, const KernelSettings& sett
     return guiding->tables.get();
 }
 
+/// The targets of the job's light paths, learned on the first call; nullptr if they are not aimed. Runs in the caller's
+/// task arena. Throws Cancelled if `cancel` becomes true.
+const LightTargets* light_targets_of(const RenderJob& job, const KernelSettings& settings,
+                                     const std::atomic<bool>* cancel)
+{
+    LearnedLightTargets* const learned = job.data().light_targets.get();
+    if (!learned || settings.light_paths == 0) return nullptr;
+    std::call_once(learned->once, [&] {
+        learned->targets = learn_light_targets(*job.scene().data().kernel, *job.scene().data().tables,
+                                               job.data().camera_record, settings, cancel);
+    });
+    return learned->targets.get();
+}
+
 /// Square tiles of the image, in rows.
 class Tiles {
 public:
@@ -123,7 +138,7 @@ int tile_size(Crop crop, std::uint64_t samples, int threads)
 struct Worker {
     std::vector<std::uint32_t> pixels;
     TileSums sums;
-    std::vector<LightSplat> splats;
+    LightPathResults light;
     KernelCounters counters;
     std::uint64_t dropped = 0;
     std::optional<Film::SampleLocation> invalid_sample;
@@ -183,11 +198,18 @@ public:
 
     void add(const std::vector<LightSplat>& splats)
     {
-        for (const LightSplat& splat : splats) {
+        for (std::size_t i = 0; i < splats.size(); ++i) {
+            // Splats fall on pixels at random, which are far apart in memory.
+            if (i + fetched_ahead < splats.size()) {
+                std::uint32_t* const ahead = sums_of(index_of(splats[i + fetched_ahead]));
+                __builtin_prefetch(ahead + film_.layout.splats, 1);
+                __builtin_prefetch(film_.layout.splat_square(ahead, 2), 1);
+            }
+            const LightSplat& splat = splats[i];
             const int x = int(splat.pixel & 0xffff), y = int(splat.pixel >> 16);
             if (x < crop_.x0 || x >= crop_.x1 || y < crop_.y0 || y >= crop_.y1) continue;
-            const std::size_t index = std::size_t(y) * std::size_t(film_.width) + std::size_t(x);
-            std::uint32_t* const pixel = words_ + index * std::size_t(film_.layout.words);
+            const std::size_t index = index_of(splat);
+            std::uint32_t* const pixel = sums_of(index);
             const tbb::spin_mutex::scoped_lock lock(locks_[index % locks_.size()]);
             for (int c = 0; c < 3; ++c) {
                 const double value = splat.value[c];
@@ -199,6 +221,14 @@ public:
     }
 
 private:
+    static constexpr std::size_t fetched_ahead = 16;
+
+    std::size_t index_of(const LightSplat& splat) const
+    {
+        return std::size_t(splat.pixel >> 16) * std::size_t(film_.width) + (splat.pixel & 0xffff);
+    }
+    std::uint32_t* sums_of(std::size_t index) const { return words_ + index * std::size_t(film_.layout.words); }
+
     const Film::Data& film_;
     const Crop crop_;
     std::uint32_t* const words_;
@@ -259,9 +289,13 @@ public:
             throw Error("", "", "the film belongs to another job: " + difference);
         if (scene_.tables->lights.empty()) kernel_.light_paths = 0;
         const auto start = std::chrono::steady_clock::now();
-        arena_.execute([&] { kernel_.guiding = guiding_of(job, kernel_, cancel); });
+        arena_.execute([&] {
+            kernel_.light_targets = light_targets_of(job, kernel_, cancel);
+            kernel_.guiding = guiding_of(job, kernel_, cancel);
+        });
         const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-        if (kernel_.measure && job.data().guiding) learning_s_ = seconds * arena_.threads();
+        if (kernel_.measure && (job.data().guiding || job.data().light_targets))
+            learning_s_ = seconds * arena_.threads();
     }
 
     std::uint64_t pixels() const { return std::uint64_t(crop_.x1 - crop_.x0) * std::uint64_t(crop_.y1 - crop_.y0); }
@@ -305,11 +339,11 @@ public:
                 const std::uint32_t first = std::uint32_t(i % tasks) * light_paths_per_job;
                 const LightPathJob job{std::uint32_t(range.first + i / tasks), first,
                                        std::min(light_paths_per_job, kernel_.light_paths - first)};
-                worker.splats.clear();
+                worker.light.splats.clear();
                 worker.measured(RenderStage::camera, kernel_.measure, [&] {
-                    trace_light_paths(*scene_.kernel, camera_, kernel_, job, worker.splats, worker.counters);
+                    trace_light_paths(*scene_.kernel, camera_, kernel_, job, worker.light, worker.counters);
                 });
-                worker.measured(RenderStage::film, kernel_.measure, [&] { adder.add(worker.splats); });
+                worker.measured(RenderStage::film, kernel_.measure, [&] { adder.add(worker.light.splats); });
             }
         };
         arena_.execute([&] {
@@ -500,7 +534,7 @@ try {
     ThreadArena arena(settings.threads);
     LightTracingTrial trial;
     arena.execute([&] {
-        trial = run_light_trial(*scene.kernel, job.data().camera_record,
+        trial = run_light_trial(*scene.kernel, *scene.tables, job.data().camera_record,
                                 kernel_settings(settings, FilmLayout({}, false)), rendered, cancel);
     });
     return trial;
@@ -516,6 +550,8 @@ Color render_sample(const RenderJob& job, int x, int y, std::uint64_t sample_ind
         throw Error("", "",
                     fmt::format("there is no pixel {},{} in an image of {}x{}", x, y, settings.width, settings.height));
     KernelSettings kernel = kernel_settings(settings, FilmLayout({}, false));
+    if (job.scene().data().tables->lights.empty()) kernel.light_paths = 0;
+    kernel.light_targets = light_targets_of(job, kernel, nullptr);
     kernel.guiding = guiding_of(job, kernel, nullptr);
     const std::uint32_t pixel = std::uint32_t(y) << 16 | std::uint32_t(x);
     TileSums sums;

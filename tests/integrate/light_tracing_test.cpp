@@ -460,5 +460,24 @@ TEST(LightTracing, BitsDoNotDependOnThreadsAndParts)
     }
 }
 
+/// A small ball of glass far from its light, so that light paths are aimed at it, looks the same with light paths and
+/// without: lamps with a size, whose caustics path tracing finds, too.
+TEST(LightTracing, AimedPathsBringTheSame)
+{
+    for (const int spheres : {0, 100})
+        for (const bool has_sun : {false, true}) {
+            SeenFloor b(spheres, 3);
+            b.add(Sphere{{0.1, 0.2, 0.1}, 0.15, {}}, b.material(dielectric(0.2f)));
+            Light sun;
+            sun.kind = LightKind::directional;
+            sun.angle = 0.5;
+            if (has_sun)
+                b.light(sun, rotate_to({0.3, -1, 0.2}));
+            else
+                b.add(Sphere{{0.8, 1.6, 0.5}, 0.3, {}}, b.material(lamp_of(10)));
+            expect_same(b.scene, small_image_settings(12, 12), 2048);
+        }
+}
+
 }  // namespace
 }  // namespace fathom

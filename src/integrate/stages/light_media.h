@@ -30,7 +30,7 @@ private:
         for (std::uint32_t light = 0; light < scene_.tables.lights.size(); ++light) {
             const Sample2 middle{Float(0.5f), Float(0.5f)};
             const LightEmitter::Emission e =
-                emitter.emit_from(UInt(light), middle, middle, Float(time), first_lanes(1));
+                emitter.emit_from({UInt(no_index), UInt(light)}, middle, middle, Float(time), first_lanes(1));
             float x[lanes], y[lanes], z[lanes];
             store(x, e.o.x), store(y, e.o.y), store(z, e.o.z);
             const float point[] = {x[0], y[0], z[0]};

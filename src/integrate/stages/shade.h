@@ -26,7 +26,7 @@ public:
           surfaces_(scene),
           materials_(scene),
           lights_(scene, settings.light_selection, !scene.is_flat),
-          emitter_(scene, lights_),
+          emitter_(scene, lights_, settings.light_targets),
           connector_(camera, settings),
           settings_(settings),
           counters_(counters),
@@ -152,7 +152,7 @@ private:
         const Float emission = emitter_.density(s.light, at.eye(), s.wi, s.distance, gang.time, m);
         const Float nee_pdf = Float(1) / max(inverse_pdf, Float(1e-37f));
         return path_tracing_weight(connection(gang, at, first, s.wi, scatter_pdf), emission * Float(light_paths_),
-                                   path_variants(nee_pdf, scatter_pdf, s.is_delta));
+                                   path_variants(nee_pdf, scatter_pdf, first.is_it, s.is_delta));
     }
     template <class Closure>
     [[gnu::noinline]] void store_connection(const Gang& gang, const ShadingPoint<Closure>& at, const Scattered& next,
@@ -162,7 +162,8 @@ private:
         const Mask lost = (next.is_delta & (first.is_it | !is_reversible(at, next.wi))) | next.enters_subsurface;
         const Float own = select(lost, Float(infinity), connection(gang, at, first, next.wi, next.scatter_pdf));
         paths_->connection.store(i, own, gang.valid & !undeflected);
-        paths_->scatter_pdf.store(i, next.scatter_pdf, gang.valid & !undeflected);
+        paths_->scatter_pdf.store(i, select(first.is_it, -next.scatter_pdf, next.scatter_pdf),
+                                  gang.valid & !undeflected);
     }
 
     [[gnu::always_inline]] Gang load_gang(std::size_t i, Mask valid) const

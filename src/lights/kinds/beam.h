@@ -33,7 +33,7 @@ struct BeamLight {
                     y = select(is_round, disk.y, fma(position.y, Float(2), Float(-1)));
         const Vec3 u = light.get(&Record::half_u), v = light.get(&Record::half_v);
         return {fma(u, x, fma(v, y, light.get(&Record::center))), light.get(&Record::axis),
-                Vec3(Float(0), Float(0), Float(0)), area(light)};
+                Vec3(Float(0), Float(0), Float(0)), area(light), Float(0)};
     }
     template <class Light>
     static Float sample_pdf(const Light&, const Vec3&, const Vec3&)
@@ -41,9 +41,9 @@ struct BeamLight {
         return Float(1);
     }
     template <class Light>
-    static Float emission_density(const Light& light, const Vec3&, Float)
+    static EmissionDensity emission_density(const Light& light, const Vec3&, Float)
     {
-        return Float(1) / max(area(light), Float(1e-30f));
+        return {Float(1) / max(area(light), Float(1e-30f)), Float(0)};
     }
 
     /// The node may stretch and mirror the area.

@@ -30,16 +30,17 @@ struct DirectionalLight {
     {
         const Float spread = light.get(&Record::one_minus_cos);
         const Vec3 d = Frame(light.get(&Record::axis)).to_world(sample_cone(direction, spread));
-        return {Vec3(Float(0), Float(0), Float(0)), d, Vec3(Float(0), Float(0), Float(0)), solid_angle(spread)};
+        return {Vec3(Float(0), Float(0), Float(0)), d, Vec3(Float(0), Float(0), Float(0)), solid_angle(spread),
+                Float(0)};
     }
     template <class Light>
-    static Float emission_density(const Light& light, const Vec3& wi, Float)
+    static EmissionDensity emission_density(const Light& light, const Vec3& wi, Float)
     {
         const Float spread = light.get(&Record::one_minus_cos);
         // A delta light's direction needs no test: only its own samples ask.
         const Mask inside =
             (spread <= Float(0)) | (Float(1) + dot(wi, light.get(&Record::axis)) <= spread * Float(1.0001f));
-        return select(inside, Float(1) / solid_angle(spread), Float(0));
+        return {select(inside, Float(1) / solid_angle(spread), Float(0)), Float(0)};
     }
 
 private:

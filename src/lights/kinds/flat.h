@@ -23,9 +23,14 @@ struct FlatLight {
         return emit_from_flat(light, Points::at(light, position), direction);
     }
     template <class Light>
-    static Float emission_density(const Light& light, const Vec3&, Float)
+    static void aim(const Light& light, EmittedRay& ray, const Vec3& d)
     {
-        return flat_emission_density(light);
+        aim_from_flat(light, ray, d);
+    }
+    template <class Light>
+    static EmissionDensity emission_density(const Light& light, const Vec3& wi, Float)
+    {
+        return flat_emission_density(light, wi);
     }
 };
 

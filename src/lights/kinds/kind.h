@@ -128,10 +128,24 @@ inline Vec3 unit_or_zero(const Vec3& v)
 /// A ray that a light emits, sampled by its kind.
 struct EmittedRay {
     Vec3 o, d;
-    Vec3 n;       ///< normal of the surface on the side that emits; 0 for lights that rays do not hit
-    Float scale;  ///< factor of the light's radiance: power per inverse density
+    Vec3 n;       ///< normal of the surface on the side that emits; 0 for lights without a surface
+    Float scale;  ///< factor of the light's radiance: power per inverse density; 0: nothing is emitted
+    Float pdf;    ///< density of d with respect to solid angle, for kinds that can be aimed
+};
+/// Densities of the rays that a kind emits.
+struct EmissionDensity {
+    /// With respect to area and solid angle, divided by the cosine at the light; for lights without a surface with
+    /// respect to area across the ray where it arrives.
+    Float ray;
+    /// EmittedRay::pdf, for kinds that can be aimed. Curved surfaces assume a mean cosine.
+    Float direction;
 };
 
+/// Factor of the cosine in the density of directions from one side of a surface or from both.
+inline Float inverse_range(Mask two_sided)
+{
+    return select(two_sided, Float(0.5f * inv_pi), Float(inv_pi));
+}
 /// A ray from a point of a surface, by a density proportional to the cosine; from either side if two_sided.
 inline EmittedRay emit_from_surface(const Vec3& p, const Vec3& normal, Float area, Mask two_sided, Sample2 direction)
 {
@@ -139,13 +153,34 @@ inline EmittedRay emit_from_surface(const Vec3& p, const Vec3& normal, Float are
     const Float doubled = direction.x * Float(2);
     direction.x = select(two_sided, select(back, doubled, doubled - Float(1)), direction.x);
     const Vec3 n = flip_sign(normal, select(back, Float(-1), Float(1)));
-    return {p, Frame(n).to_world(sample_cosine_hemisphere(direction)), n,
-            area * select(two_sided, Float(2 * pi), Float(pi))};
+    const Vec3 d = Frame(n).to_world(sample_cosine_hemisphere(direction));
+    return {p, d, n, area * select(two_sided, Float(2 * pi), Float(pi)), dot(n, d) * inverse_range(two_sided)};
 }
-/// Density of the rays of emit_from_surface() with respect to area and solid angle, divided by the cosine.
-inline Float surface_emission_density(Float area, Mask two_sided)
+inline EmittedRay select(Mask m, const EmittedRay& a, const EmittedRay& b)
 {
-    return select(two_sided, Float(0.5f * inv_pi), Float(inv_pi)) / max(area, Float(1e-30f));
+    return {select(m, a.o, b.o), select(m, a.d, b.d), select(m, a.n, b.n), select(m, a.scale, b.scale),
+            select(m, a.pdf, b.pdf)};
+}
+/// Whether a kind has aim(light, ray, d), which changes the direction of a ray of emit().
+template <class Kind, class Light>
+concept can_be_aimed = requires(const Light& light, EmittedRay& ray, const Vec3& d) { Kind::aim(light, ray, d); };
+
+/// Changes the direction of a ray of emit_from_surface().
+inline void aim_from_surface(EmittedRay& ray, const Vec3& d, Mask two_sided)
+{
+    ray.d = d;
+    ray.n = select(two_sided, flip_sign(ray.n, dot(ray.n, d)), ray.n);
+    const Float cosine = dot(ray.n, d);
+    ray.scale = select(cosine > Float(0), ray.scale, Float(0));
+    ray.pdf = max(cosine, Float(0)) * inverse_range(two_sided);
+}
+/// What curved surfaces assume in EmissionDensity::direction.
+inline constexpr float mean_cosine = 0.5f;
+/// Densities of emit_from_surface(). cosine: at the light.
+inline EmissionDensity surface_emission_density(Float area, Mask two_sided, Float cosine)
+{
+    const Float inverse = inverse_range(two_sided);
+    return {inverse / max(area, Float(1e-30f)), abs(cosine) * inverse};
 }
 
 namespace detail {
@@ -187,9 +222,15 @@ EmittedRay emit_from_flat(const Light& light, const Vec3& p, Sample2 direction)
                              light.has(LightRecord::two_sided), direction);
 }
 template <class Light>
-Float flat_emission_density(const Light& light)
+EmissionDensity flat_emission_density(const Light& light, const Vec3& wi)
 {
-    return surface_emission_density(light.get(&FlatLightRecord::area), light.has(LightRecord::two_sided));
+    return surface_emission_density(light.get(&FlatLightRecord::area), light.has(LightRecord::two_sided),
+                                    dot(light.get(&FlatLightRecord::normal), wi));
+}
+template <class Light>
+void aim_from_flat(const Light& light, EmittedRay& ray, const Vec3& d)
+{
+    aim_from_surface(ray, d, light.has(LightRecord::two_sided));
 }
 
 }  // namespace detail

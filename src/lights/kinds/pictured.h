@@ -27,7 +27,12 @@ struct PicturedLight {
         return Float(1);
     }
     template <class Light>
-    static Float emission_density(const Light& light, const Vec3& wi, Float distance)
+    static void aim(const Light& light, EmittedRay& ray, const Vec3& d)
+    {
+        SpotLight::aim(light, ray, d);
+    }
+    template <class Light>
+    static EmissionDensity emission_density(const Light& light, const Vec3& wi, Float distance)
     {
         return SpotLight::emission_density(light, wi, distance);
     }

@@ -26,7 +26,7 @@ struct PointLight {
     static EmittedRay emit(const Light& light, Float, Sample2, Sample2 direction)
     {
         return {light.get(&Record::position), sample_sphere(direction), Vec3(Float(0), Float(0), Float(0)),
-                Float(4 * pi)};
+                Float(4 * pi), Float(0.25f * inv_pi)};
     }
     template <class Light>
     static Float sample_pdf(const Light&, const Vec3&, const Vec3&)
@@ -34,9 +34,14 @@ struct PointLight {
         return Float(1);
     }
     template <class Light>
-    static Float emission_density(const Light&, const Vec3&, Float distance)
+    static void aim(const Light&, EmittedRay& ray, const Vec3& d)
     {
-        return Float(0.25f * inv_pi) / (distance * distance);
+        ray.d = d;
+    }
+    template <class Light>
+    static EmissionDensity emission_density(const Light&, const Vec3&, Float distance)
+    {
+        return {Float(0.25f * inv_pi) / (distance * distance), Float(0.25f * inv_pi)};
     }
 
     template <class Moving>

@@ -67,9 +67,14 @@ struct RectangleLight {
         return detail::emit_from_flat(light, p, direction);
     }
     template <class Light>
-    static Float emission_density(const Light& light, const Vec3&, Float)
+    static void aim(const Light& light, EmittedRay& ray, const Vec3& d)
     {
-        return detail::flat_emission_density(light);
+        detail::aim_from_flat(light, ray, d);
+    }
+    template <class Light>
+    static EmissionDensity emission_density(const Light& light, const Vec3& wi, Float)
+    {
+        return detail::flat_emission_density(light, wi);
     }
 
     template <class Light>

@@ -43,9 +43,15 @@ struct SphereLight {
                                  light.has(LightRecord::two_sided), direction);
     }
     template <class Light>
-    static Float emission_density(const Light& light, const Vec3&, Float)
+    static void aim(const Light& light, EmittedRay& ray, const Vec3& d)
     {
-        return surface_emission_density(area(light.get(&Record::radius)), light.has(LightRecord::two_sided));
+        aim_from_surface(ray, d, light.has(LightRecord::two_sided));
+    }
+    template <class Light>
+    static EmissionDensity emission_density(const Light& light, const Vec3&, Float)
+    {
+        return surface_emission_density(area(light.get(&Record::radius)), light.has(LightRecord::two_sided),
+                                        Float(mean_cosine));
     }
     template <class Light>
     static Mask by_solid_angle(const Light&, Vec3)

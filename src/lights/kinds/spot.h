@@ -21,10 +21,18 @@ struct SpotLight {
     template <class Light>
     static EmittedRay emit(const Light& light, Float, Sample2, Sample2 direction)
     {
-        const Float cone = min(light.get(&Record::outer), Float(2));
-        const Vec3 d = Frame(light.get(&Record::axis)).to_world(sample_cone(direction, cone));
-        return {light.get(&Record::position), d, Vec3(Float(0), Float(0), Float(0)),
-                with_falloff(light, -d, Float(2 * pi) * cone)};
+        EmittedRay ray;
+        ray.o = light.get(&Record::position);
+        ray.n = Vec3(Float(0), Float(0), Float(0));
+        aim(light, ray, Frame(light.get(&Record::axis)).to_world(sample_cone(direction, cone(light))));
+        return ray;
+    }
+    template <class Light>
+    static void aim(const Light& light, EmittedRay& ray, const Vec3& d)
+    {
+        ray.d = d;
+        ray.scale = with_falloff(light, -d, Float(2 * pi) * cone(light));
+        ray.pdf = Float(0.5f * inv_pi) / cone(light);
     }
     template <class Light>
     static Float sample_pdf(const Light&, const Vec3&, const Vec3&)
@@ -32,11 +40,11 @@ struct SpotLight {
         return Float(1);
     }
     template <class Light>
-    static Float emission_density(const Light& light, const Vec3& wi, Float distance)
+    static EmissionDensity emission_density(const Light& light, const Vec3& wi, Float distance)
     {
-        const Float cone = min(light.get(&Record::outer), Float(2));
-        const Mask inside = Float(1) + dot(wi, light.get(&Record::axis)) < cone;
-        return select(inside, Float(0.5f * inv_pi) / (cone * distance * distance), Float(0));
+        const Mask inside = Float(1) + dot(wi, light.get(&Record::axis)) < cone(light);
+        const Float pdf = Float(0.5f * inv_pi) / cone(light);
+        return {select(inside, pdf / (distance * distance), Float(0)), pdf};
     }
 
     /// Strength multiplied by the falloff for light that travels along -wi.
@@ -67,6 +75,14 @@ struct SpotLight {
     {
         light.set(&Record::position, at.to_render.shift, m);
         light.set(&Record::axis, normalize(at.to_render.vector(light.get(&Record::axis))), m);
+    }
+
+private:
+    /// 1 - cos of the angle between the axis and the edge of the light.
+    template <class Light>
+    static Float cone(const Light& light)
+    {
+        return min(light.get(&Record::outer), Float(2));
     }
 };
 

@@ -59,15 +59,17 @@ struct TubeLight {
         const SinCos turn = sincos_2pi(position.x);
         const Vec3 n = fma(frame.s, turn.cos, frame.t * turn.sin);
         const Vec3 on_axis = fma(half, fma(position.y, Float(2), Float(-1)), light.get(&Record::center));
-        EmittedRay ray =
-            emit_from_surface(fma(n, light.get(&Record::radius), on_axis), n, area(light), Mask(false), direction);
-        ray.n = Vec3(Float(0), Float(0), Float(0));
-        return ray;
+        return emit_from_surface(fma(n, light.get(&Record::radius), on_axis), n, area(light), Mask(false), direction);
     }
     template <class Light>
-    static Float emission_density(const Light& light, const Vec3&, Float)
+    static void aim(const Light&, EmittedRay& ray, const Vec3& d)
     {
-        return surface_emission_density(area(light), Mask(false));
+        aim_from_surface(ray, d, Mask(false));
+    }
+    template <class Light>
+    static EmissionDensity emission_density(const Light& light, const Vec3&, Float)
+    {
+        return surface_emission_density(area(light), Mask(false), Float(mean_cosine));
     }
 
     template <class Moving>

@@ -1,19 +1,22 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include "lights/sample/aiming.h"
 #include "lights/sample/light_stage.h"
 
 namespace fathom {
 inline namespace FATHOM_LANES {
 
-/// Emission of light paths: chooses a light by its power, a point of it and a direction. Light from infinity starts on
-/// a disk across its direction that covers the scene. Curves emit nothing here.
+/// Emission of light paths: chooses a light, a point of it and a direction, by its power or aimed at targets. Light
+/// from infinity starts on a disk across its direction that covers the scene or a target. Curves emit nothing here.
 class LightEmitter {
 public:
-    LightEmitter(const LaneScene& scene, const LightSampler& lights)
+    /// targets: nullptr if light paths are not aimed
+    LightEmitter(const LaneScene& scene, const LightSampler& lights, const LightTargets* targets)
         : tables_(scene.tables),
           scene_(scene),
           surfaces_(scene),
           lights_(lights),
+          aiming_(scene.tables, targets),
           ball_center_(Float(tables_.ball_center[0]), Float(tables_.ball_center[1]), Float(tables_.ball_center[2])),
           ball_radius_(tables_.ball_radius)
     {
@@ -32,28 +35,29 @@ public:
     };
     Emission emit(const Random& random, Float time, Mask m) const
     {
-        const UInt light = choose(random.light);
-        Emission e = emit_from(light, random.position, random.direction, time, m);
-        e.power = e.power * (Float(1) / LightReader<false>(tables_.lights.data(), light).pmf());
+        const LightAiming::Choice choice = aiming_.choose(random.light);
+        Emission e = emit_from(choice, random.position, random.direction, time, m);
+        e.power = e.power * (Float(1) / LightReader<false>(tables_.lights.data(), choice.light).pmf());
         return e;
     }
     /// emit() from given lights, per density of position and direction alone.
-    Emission emit_from(UInt index, Sample2 position, Sample2 direction, Float time, Mask m) const
+    Emission emit_from(LightAiming::Choice choice, Sample2 position, Sample2 direction, Float time, Mask m) const
     {
         Emission e;
-        e.light = index;
+        e.light = choice.light;
+        const LightAiming::Sphere target = aiming_.target(choice.target, m);
         const LightReader<false> light(tables_.lights.data(), e.light);
         const UInt kind = light.kind();
         const Vec3 zero(Float(0), Float(0), Float(0));
-        EmittedRay ray{zero, Vec3(Float(0), Float(0), Float(1)), zero, Float(0)};
+        EmittedRay ray{zero, Vec3(Float(0), Float(0), Float(1)), zero, Float(0), Float(0)};
         e.power = light.radiance();
         lights_.with_placed(light, time, m, [&](const auto& placed) {
             LightKinds::for_each([&]<class Kind>() {
                 const Mask mine = m & is_kind(kind, Kind::Record::kind);
                 if (none(mine)) return;
-                const EmittedRay own = Kind::emit(placed, time, position, direction);
-                ray.o = select(mine, own.o, ray.o), ray.d = select(mine, own.d, ray.d);
-                ray.n = select(mine, own.n, ray.n), ray.scale = select(mine, own.scale, ray.scale);
+                EmittedRay own = Kind::emit(placed, time, position, direction);
+                aim<Kind>(placed, choice, target, direction, own);
+                ray = select(mine, own, ray);
             });
             e.o = ray.o;
             leave_surface(placed, ray, time, m, e);
@@ -68,11 +72,15 @@ public:
             e.power = select(environment, environment_radiance(tables_, s, environment), e.power);
         }
         if (const Mask far = is_infinite(kind, m); any(far)) {
+            const Vec3 center = select(target.valid, target.center, ball_center_);
+            const Float radius = select(target.valid, target.radius, Float(ball_radius_));
             const DiskPoint disk = sample_disk(position);
             const Frame frame(ray.d);
-            const Vec3 across = fma(frame.s, disk.x * Float(ball_radius_), frame.t * (disk.y * Float(ball_radius_)));
-            e.o = select(far, ball_center_ + across - ray.d * Float(1.01f * ball_radius_), e.o);
-            ray.scale = select(far, ray.scale * Float(pi * ball_radius_ * ball_radius_), ray.scale);
+            const Vec3 p = center + fma(frame.s, disk.x * radius, frame.t * (disk.y * radius));
+            const Float along = dot(p - ball_center_, ray.d);
+            e.o = select(far, p - ray.d * (along + Float(1.01f * ball_radius_)), e.o);
+            const Float ratio = aiming_.ratio_of_line(e.light, p, ray.d, ball_radius_, covers(p, ray.d), choice.target);
+            ray.scale = select(far, ray.scale * Float(pi * ball_radius_ * ball_radius_) / ratio, ray.scale);
         }
         e.d = ray.d;
         e.power = e.power * ray.scale;
@@ -86,22 +94,39 @@ public:
     {
         const LightReader<false> light(tables_.lights.data(), index);
         const UInt kind = light.kind();
-        Float density(0.f);
-        lights_.with_placed(light, time, m, [&](const auto& placed) {
-            LightKinds::for_each([&]<class Kind>() {
-                const Mask mine = m & is_kind(kind, Kind::Record::kind);
-                if (any(mine)) density = select(mine, Kind::emission_density(placed, wi, distance), density);
-            });
-        });
+        const EmissionDensity own = own_density(index, wi, distance, time, m);
+        Float density = own.ray;
         const Mask environment = m & is_kind(kind, LightRecordKind::environment);
         if (any(environment)) density = select(environment, environment_pdf(tables_, wi), density);
         if (const Mask far = is_infinite(kind, m); any(far)) {
-            const Vec3 from = o - ball_center_, across = fma(wi, -dot(from, wi), from);
+            const Float ratio = aiming_.ratio_of_line(index, o, wi, ball_radius_, covers(o, wi));
             const float area = pi * ball_radius_ * ball_radius_;
-            const Mask covered = dot(across, across) < Float(0.9999f * ball_radius_ * ball_radius_);
-            density = select(far, select(covered, density * Float(1 / area), Float(0)), density);
+            density = select(far, density * ratio * Float(1 / area), density);
+        }
+        const Mask near = m & !is_infinite(kind, m);
+        if (aiming_.has_targets() && any(near)) {
+            const Float ratio = aiming_.ratio_from(index, fma(wi, distance, o), -wi, own.direction);
+            density = select(near, density * ratio, density);
         }
         return density * light.pmf();
+    }
+
+    /// Density by the kind of the light alone.
+    EmissionDensity own_density(UInt index, const Vec3& wi, Float distance, Float time, Mask m) const
+    {
+        const LightReader<false> light(tables_.lights.data(), index);
+        const UInt kind = light.kind();
+        EmissionDensity density{Float(0), Float(0)};
+        lights_.with_placed(light, time, m, [&](const auto& placed) {
+            LightKinds::for_each([&]<class Kind>() {
+                const Mask mine = m & is_kind(kind, Kind::Record::kind);
+                if (none(mine)) return;
+                const EmissionDensity own = Kind::emission_density(placed, wi, distance);
+                density.ray = select(mine, own.ray, density.ray);
+                density.direction = select(mine, own.direction, density.direction);
+            });
+        });
+        return density;
     }
 
     bool is_infinite(std::uint32_t light) const
@@ -115,9 +140,28 @@ private:
     {
         return m & (is_kind(kind, LightRecordKind::environment) | is_kind(kind, LightRecordKind::directional));
     }
-    UInt choose(Float u) const
+    /// Whether a line passes through the disk across it that covers the scene.
+    Mask covers(const Vec3& p, const Vec3& d) const
     {
-        return find_interval(tables_.light_cdf.data(), UInt(0u), int(tables_.lights.size()), u);
+        const Vec3 from = p - ball_center_, across = fma(d, -dot(from, d), from);
+        return dot(across, across) < Float(0.9999f * ball_radius_ * ball_radius_);
+    }
+
+    /// Turns rays towards their target, if they have one, and divides by their density relative to that of the light's
+    /// own emission.
+    template <class Kind, class Light>
+    void aim(const Light& light, const LightAiming::Choice& choice, const LightAiming::Sphere& target,
+             Sample2 direction, EmittedRay& ray) const
+    {
+        // Light from infinity is aimed where its rays are placed.
+        if (!aiming_.has_targets() || Kind::Record::kind == LightRecordKind::directional) return;
+        if constexpr (can_be_aimed<Kind, Light>)
+            if (any(target.valid)) {
+                EmittedRay aimed = ray;
+                Kind::aim(light, aimed, LightAiming::direction_to(target, ray.o, direction));
+                ray = select(target.valid, aimed, ray);
+            }
+        ray.scale = ray.scale / aiming_.ratio_from(choice.light, ray.o, ray.d, ray.pdf, choice.target);
     }
 
     /// Moves the start of rays from surfaces in front of their surface, and applies the surface's emission texture and
@@ -142,6 +186,7 @@ private:
     const LaneScene& scene_;
     const SurfaceReader surfaces_;
     const LightSampler& lights_;
+    const LightAiming aiming_;
     const Vec3 ball_center_;
     const float ball_radius_;
 };

@@ -45,12 +45,12 @@ const std::vector<float> half_of_phis = {-3.1415927f, -2.2f, -1, 0},
                          quarter_of_phis = {-3.1415927f, -2.2f, -1.5707964f};
 
 /// Owns the values that the closure refers to.
-struct Surface {
+struct MeasuredSurface {
     MeasuredBrdf brdf;
     LargeVector<float> values = {7, 7, 7};  // values of other tables come first
     MeasuredMaterialPoint point;
 
-    explicit Surface(MeasuredBrdf b) : brdf(std::move(b))
+    explicit MeasuredSurface(MeasuredBrdf b) : brdf(std::move(b))
     {
         const MeasuredRecord r = add_measured(brdf, values);
         point = material(0.5f, 0.5f);
@@ -198,7 +198,7 @@ TEST(Measured, IsThePapersFormula)
         for (const bool per_facet : {true, false}) {
             MeasuredBrdf brdf = surface(phis, unsigned(phis.size()), 2);
             brdf.color_is_per_facet = per_facet;
-            const Surface s(brdf);
+            const MeasuredSurface s(brdf);
             const Formula formula(s.brdf);
             std::mt19937 engine(7);
             for (int i = 0; i < 150; ++i) {
@@ -218,14 +218,14 @@ TEST(Measured, SamplesByItsDensity)
     const std::pair<std::vector<float>, double> cases[] = {
         {{0}, 20}, {{0}, 70}, {all_phis, 50}, {half_of_phis, 40}, {quarter_of_phis, 60}};
     for (const auto& [phis, degrees] : cases)
-        check_sampling(Surface(surface(phis, 3, 0.6)).bsdf(), degrees, "measured");
+        check_sampling(MeasuredSurface(surface(phis, 3, 0.6)).bsdf(), degrees, "measured");
 }
 
 /// The pdf is positive wherever f is.
 TEST(Measured, SamplesAllThatIsReflected)
 {
     for (const auto& phis : {std::vector<float>{0}, half_of_phis}) {
-        const Surface s(surface(phis, 5, 0.8));
+        const MeasuredSurface s(surface(phis, 5, 0.8));
         for (const double degrees : {10.0, 60.0}) {
             const Vec3 wo = outgoing(degrees);
             const double all = integrate_sphere(
@@ -239,7 +239,7 @@ TEST(Measured, SamplesAllThatIsReflected)
 TEST(Measured, LiesAlongTheTangent)
 {
     const MeasuredBrdf brdf = surface(all_phis, 9, 2);
-    Surface plain(brdf), turned(brdf);
+    MeasuredSurface plain(brdf), turned(brdf);
     const double angle = 0.7;
     turned.point.measured.tangent =
         Vec3(Float(float(3 * std::cos(angle))), Float(float(3 * std::sin(angle))), Float(0.5f));
@@ -248,7 +248,7 @@ TEST(Measured, LiesAlongTheTangent)
         turned.point.measured.facing = Float(float(0.3 * side));
         for (int i = 0; i < 50; ++i) {
             const Direction wo = direction(engine), wi = direction(engine);
-            // Surface direction in the shading frame.
+            // MeasuredSurface direction in the shading frame.
             const auto in_frame = [&](Direction d) {
                 const double y = d.y * side;
                 return lane_direction(
@@ -272,7 +272,7 @@ TEST(Measured, StaysFinite)
     MeasuredBrdf brdf = surface({0}, 2);
     for (MeasuredTable* t : {&brdf.vndf, &brdf.luminance, &brdf.sigma}) t->values.assign(t->values.size(), 0);
     for (float& x : brdf.color.values) x -= 0.7f;  // colors outside the RGB gamut
-    const Surface s(brdf);
+    const MeasuredSurface s(brdf);
     std::mt19937 engine(4);
     for (int i = 0; i < 200; ++i) {
         const Direction wo = direction(engine), wi = direction(engine);
