@@ -7,6 +7,7 @@
 #include <cstdlib>
 #include <limits>
 #include <numbers>
+#include <span>
 #include <vector>
 
 #include "lights/kinds/records.h"
@@ -17,10 +18,14 @@ namespace fathom {
 
 namespace {
 
-/// Samples of light paths to learn from, and sets of camera paths for the brightness of the image.
-constexpr std::size_t learned_samples = 32, camera_sets = 2;
-/// The image of the trial has the same number of light paths; these have random numbers of their own.
-constexpr std::size_t learned_set = 1000;
+/// Samples of light paths by the lights' own emission, samples aimed at what these found, and sets of camera paths for
+/// the brightness of the image.
+constexpr std::size_t own_samples = 32, aimed_samples = 16, camera_sets = 2;
+/// Light paths have random numbers other than those of the trial.
+constexpr std::size_t own_set = 1000, aimed_set = 1001;
+/// Factor on the radii of what the first paths found, since they are few, and share of the second paths that is aimed.
+constexpr float widening = 1.5f;
+constexpr float aimed_share = 0.5f;
 /// The value of a path is limited to this multiple of the mean, since the sums of few samples are uncertain.
 constexpr double most_of_mean = 50;
 /// Factor by which another target must reduce the estimate of the standard error of light paths, and by which all of
@@ -28,8 +33,9 @@ constexpr double most_of_mean = 50;
 constexpr double most_noise = 0.9, most_variance = 0.6;
 /// Shares of paths by the lights' own emission that are considered.
 constexpr float own_shares[] = {0.2f, 0.4f, 0.6f};
-/// Numbers of candidates for a target, and of radii for each.
-constexpr std::size_t candidates = 24, radii = 10;
+/// Number of candidates for a target, and fractions of the arrivals that their radii contain.
+constexpr std::size_t candidates = 24;
+constexpr double fractions[] = {1, 0.98, 0.95, 0.9, 0.8, 0.65, 0.5, 0.35, 0.2, 0.1};
 /// Numbers of rays that measure how many pass through a sphere, and of arrivals that stand for the others.
 constexpr std::size_t most_rays = 4000, selected_arrivals = 2000;
 /// With more lights than this, lights are selected for targets as they are otherwise.
@@ -60,7 +66,10 @@ struct Arrival {
     double distance;  ///< from the light
     double own_pdf;   ///< LightArrival::own_pdf
     std::uint32_t light;
-    double value;  ///< squares of what it brings, relative to the brightness of the pixels
+    /// Squares of what the path would bring by its light's own emission, relative to the brightness of the pixels, per
+    /// path that was traced.
+    double value;
+    double weight;  ///< density by the light's own emission divided by that with which the path was traced
 
     bool passes(const Point& center, double radius2) const
     {
@@ -116,10 +125,10 @@ public:
     /// Fraction of the paths by the lights' own emission that pass through a ball.
     double share_through(const Ball& ball) const
     {
-        double count = 1;
+        double sum = 1e-3;
         for (std::size_t i = 0; i < arrivals_.size(); i += ray_step_)
-            count += arrivals_[i].passes(ball.center, ball.radius * ball.radius) ? 1 : 0;
-        return std::min(count * double(ray_step_) / paths_, 1.0);
+            if (arrivals_[i].passes(ball.center, ball.radius * ball.radius)) sum += arrivals_[i].weight;
+        return std::min(sum * double(ray_step_) / paths_, 1.0);
     }
     void remove(const Ball& ball)
     {
@@ -174,8 +183,7 @@ LearnedTarget best_target(const LearnedPaths& paths)
         std::transform(places.begin(), places.end(), distances.begin(),
                        [&](const Point& p) { return distance(p, center); });
         std::sort(distances.begin(), distances.end());
-        for (std::size_t r = 0; r < radii; ++r) {
-            const double fraction = std::pow(0.6, double(r));
+        for (const double fraction : fractions) {
             const double radius = distances[std::size_t(fraction * double(distances.size() - 1))] * 1.0001;
             LearnedTarget t;
             t.ball = tightened(paths, {center, radius});
@@ -206,7 +214,7 @@ void set_lights(LightTargets& to, const LearnedPaths& paths, const std::vector<L
         std::vector<double> value(count), arrived(count), weight(count);
         for (const Arrival& a : paths.arrivals()) {
             if (!target.ball.contains(a.p)) continue;
-            value[a.light] += a.value, arrived[a.light] += 1;
+            value[a.light] += a.value, arrived[a.light] += a.weight;
         }
         double learned = 0, power = 0;
         for (std::size_t l = 0; l < count; ++l) {
@@ -292,17 +300,22 @@ double relative_variance(const LightTargets& targets, const LearnedPaths& paths,
     return aimed / own;
 }
 
-std::vector<Arrival> trace_arrivals(const KernelScene& scene, const CameraRecord& camera, const TrialImage& image,
-                                    const std::atomic<bool>* cancel)
+/// Squared brightness of the image's pixels, with what light paths brought.
+std::vector<double> pixel_squares(const KernelScene& scene, const CameraRecord& camera, const TrialImage& image,
+                                  const LightSamples& light, const std::atomic<bool>* cancel)
 {
     std::vector<PixelVariance> bright = trace_camera_paths(scene, camera, image, camera_sets, cancel).pixels;
-    const LightSamples light = trace_light_samples(scene, camera, image, learned_set, learned_samples, true, cancel);
-    if (cancel && *cancel) throw Cancelled();
     for (const LightPathResults& job : light.jobs)
         for (const LightSplat& splat : job.splats)
             if (std::isfinite(brightness(splat.value)))
-                bright[image.index(splat.pixel)].mean += brightness(splat.value) / double(learned_samples);
-    const std::vector<double> squares = squared_brightness(bright);
+                bright[image.index(splat.pixel)].mean += brightness(splat.value) / double(own_samples);
+    return squared_brightness(bright);
+}
+
+/// targets: those of the light paths
+LearnedPaths learned_paths(const LightSamples& light, std::size_t samples, const TrialImage& image,
+                           const std::vector<double>& squares, const LightTargets* targets, const LightTables& lights)
+{
     std::vector<Arrival> arrivals;
     std::vector<double> values;
     for (std::size_t first = 0; first < light.jobs.size(); first += light.jobs_per_sample) {
@@ -314,11 +327,37 @@ std::vector<Arrival> trace_arrivals(const KernelScene& scene, const CameraRecord
                 if (std::isfinite(value) && square > 0) values[splat.path] += value * value / square;
             }
         for (std::size_t j = first; j < end; ++j)
-            for (const LightArrival& a : light.jobs[j].arrivals)
-                arrivals.push_back({Point(a.position), Point(a.direction), double(a.distance), double(a.own_pdf),
-                                    a.light, values[a.path]});
+            for (const LightArrival& a : light.jobs[j].arrivals) {
+                Arrival& arrival = arrivals.emplace_back(Arrival{Point(a.position), Point(a.direction),
+                                                                 double(a.distance), double(a.own_pdf), a.light, 0, 1});
+                const double ratio = targets ? density_ratio(*targets, arrival, lights) : 1;
+                arrival.value = values[a.path] * ratio, arrival.weight = 1 / ratio;
+            }
     }
-    return arrivals;
+    return {std::move(arrivals), double(image.settings.light_paths) * double(samples)};
+}
+
+/// The targets that the paths show, with the best share of own emission of those given; nullptr if they do not reduce
+/// the variance to `most` of that without targets.
+std::unique_ptr<LightTargets> choose_targets(LearnedPaths paths, const LightTables& lights,
+                                             std::span<const float> own_shares, double most)
+{
+    const std::vector<LearnedTarget> targets = find_targets(paths);
+    if (targets.empty()) return nullptr;
+    auto result = std::make_unique<LightTargets>();
+    for (const LearnedTarget& t : targets)
+        result->targets.push_back(
+            {{float(t.ball.center.x), float(t.ball.center.y), float(t.ball.center.z)}, float(t.ball.radius), 0});
+    set_lights(*result, paths, targets, lights);
+    float best = 0;
+    for (const float own : own_shares) {
+        set_shares(*result, targets, own);
+        if (const double variance = relative_variance(*result, paths, lights); variance < most)
+            most = variance, best = own;
+    }
+    if (best == 0) return nullptr;
+    set_shares(*result, targets, best);
+    return result;
 }
 
 }  // namespace
@@ -328,25 +367,24 @@ std::unique_ptr<const LightTargets> learn_light_targets(const KernelScene& scene
                                                         const std::atomic<bool>* cancel)
 {
     if (std::none_of(lights.lights.begin(), lights.lights.end(), can_be_aimed)) return nullptr;
-    const TrialImage image(settings);
-    LearnedPaths paths(trace_arrivals(scene, camera, image, cancel),
-                       double(image.settings.light_paths) * double(learned_samples));
-    const std::vector<LearnedTarget> targets = find_targets(paths);
-    if (targets.empty()) return nullptr;
-    auto result = std::make_unique<LightTargets>();
-    for (const LearnedTarget& t : targets)
-        result->targets.push_back(
-            {{float(t.ball.center.x), float(t.ball.center.y), float(t.ball.center.z)}, float(t.ball.radius), 0});
-    set_lights(*result, paths, targets, lights);
-    double least = most_variance, own_share = 0;
-    for (const float own : own_shares) {
-        set_shares(*result, targets, own);
-        if (const double variance = relative_variance(*result, paths, lights); variance < least)
-            least = variance, own_share = double(own);
-    }
-    if (own_share == 0) return nullptr;
-    set_shares(*result, targets, float(own_share));
-    return result;
+    TrialImage image(settings);
+    const auto trace = [&](std::size_t set, std::size_t samples) {
+        LightSamples light = trace_light_samples(scene, camera, image, set, samples, true, cancel);
+        if (cancel && *cancel) throw Cancelled();
+        return light;
+    };
+    const LightSamples own = trace(own_set, own_samples);
+    const std::vector<double> squares = pixel_squares(scene, camera, image, own, cancel);
+    const float half[] = {1 - aimed_share};
+    const std::unique_ptr<LightTargets> found =
+        choose_targets(learned_paths(own, own_samples, image, squares, nullptr, lights), lights, half, 1);
+    if (!found) return nullptr;
+    // Few of these paths came to small objects. Paths that are aimed at what was found show all of it.
+    for (LightTargets::Target& t : found->targets) t.radius *= widening;
+    image.settings.light_targets = found.get();
+    const LightSamples aimed = trace(aimed_set, aimed_samples);
+    return choose_targets(learned_paths(aimed, aimed_samples, image, squares, found.get(), lights), lights, own_shares,
+                          most_variance);
 }
 
 }  // namespace fathom
