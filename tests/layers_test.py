@@ -45,7 +45,7 @@ allowed = {
     "film/file": {"base", "film", "image"},
     "formats": {"base", "scene", "image"},
     "presentation": {"scene", "compile", "math", "lights/compile", "lights/environment/studio"},
-    "session": {"compile", "film", "guiding", "kernel"},
+    "session": {"compile", "film", "guiding", "kernel", "lights"},
 }
 for station in stations:
     allowed[station] = stations | host | lanes
@@ -56,6 +56,7 @@ only = {
     ("textures", "materials"): {"materials/records.h"},
     ("session", "kernel"): {"kernel/kernel.h"},
     ("session", "guiding"): {"guiding/records.h"},
+    ("session", "lights"): {"lights/records.h", "lights/kinds/records.h", "lights/targets.h"},
     ("presentation", "math"): {"math/luminance.h"},
     ("film/file", "image"): {"image/codecs/exr_parts.h"},
     ("presentation", "lights/compile"): {"lights/compile/kind.h"},

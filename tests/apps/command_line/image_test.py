@@ -373,7 +373,8 @@ class Picture(CommandLine):
                 text = self.ok("render", name + ".json", "--size", "16x12", "--spp", "2", "-o", "x.exr", *options, program=PROGRAM).stderr
                 for line in (note, warning):
                     self.assertEqual(line in text, line == words, text)
-                word = b"fathom.light_paths\0string\0\1\0\0\0" + (b"1" if caustics == "on" else b"0")
+                number = b"0.25" if caustics == "on" else b"0"
+                word = b"fathom.light_paths\0string\0" + len(number).to_bytes(4, "little") + number
                 self.assertIn(word, Path(self.path("x.exr")).read_bytes())
         common = ["render", "ball.json", "--size", "16x12"]
         self.ok(*common, "--samples", "0:3", "-o", "a.exr", program=PROGRAM)
