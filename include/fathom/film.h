@@ -52,7 +52,8 @@ public:
     const std::vector<SampleRange>& samples() const;
     /// Returns the number of samples per pixel.
     std::uint64_t samples_per_pixel() const;
-    /// Returns the number of samples whose value was NaN or infinite. They count as black, which is a bias.
+    /// Returns the number of samples, and of values from light paths, that were NaN or infinite. They count as black,
+    /// which is a bias.
     std::uint64_t invalid_samples() const;
     /// Pixel and index of a sample.
     struct SampleLocation {
@@ -60,7 +61,8 @@ public:
         std::uint64_t sample = 0;  ///< Sample index.
     };
     /// Returns one of the invalid samples, which render_sample() can replay. Returns nothing if there was none since
-    /// the film was created; films read from files don't contain this information.
+    /// the film was created, or only values from light paths were invalid; films read from files don't contain this
+    /// information.
     std::optional<SampleLocation> invalid_sample() const;
 
     /// Adds the sums of another film.

@@ -196,8 +196,10 @@ class SplatAdder {
 public:
     SplatAdder(const Film::Data& film, Crop crop, std::uint32_t* words) : film_(film), crop_(crop), words_(words) {}
 
-    void add(const std::vector<LightSplat>& splats)
+    /// Adds the splats of a worker. Those with a value that is not finite are dropped; the worker counts them.
+    void add(Worker& worker)
     {
+        const std::vector<LightSplat>& splats = worker.light.splats;
         for (std::size_t i = 0; i < splats.size(); ++i) {
             // Splats fall on pixels at random, which are far apart in memory.
             if (i + fetched_ahead < splats.size()) {
@@ -210,10 +212,13 @@ public:
             if (x < crop_.x0 || x >= crop_.x1 || y < crop_.y0 || y >= crop_.y1) continue;
             const std::size_t index = index_of(splat);
             std::uint32_t* const pixel = sums_of(index);
+            if (!std::isfinite(splat.value[0] + splat.value[1] + splat.value[2])) {
+                ++worker.dropped;
+                continue;
+            }
             const tbb::spin_mutex::scoped_lock lock(locks_[index % locks_.size()]);
             for (int c = 0; c < 3; ++c) {
                 const double value = splat.value[c];
-                if (!std::isfinite(value)) continue;
                 ExactSum::add_number(other_sum(pixel, film_.layout.splats + c), value);
                 ExactSquareSum::add_number(film_.layout.splat_square(pixel, c), value * value);
             }
@@ -343,7 +348,7 @@ public:
                 worker.measured(RenderStage::camera, kernel_.measure, [&] {
                     trace_light_paths(*scene_.kernel, camera_, kernel_, job, worker.light, worker.counters);
                 });
-                worker.measured(RenderStage::film, kernel_.measure, [&] { adder.add(worker.light.splats); });
+                worker.measured(RenderStage::film, kernel_.measure, [&] { adder.add(worker); });
             }
         };
         arena_.execute([&] {
