@@ -479,17 +479,5 @@ TEST(LightTracing, AimedPathsBringTheSame)
         }
 }
 
-/// What light paths bring is counted like samples of the camera if it is not finite: this light's power overflows.
-TEST(LightTracing, CountsWhatIsNotFinite)
-{
-    SeenFloor b;
-    Light light;
-    light.kind = LightKind::point;
-    light.intensity = {2e38f, 2e38f, 2e38f};
-    b.light(light, Transform::translate({0, 1000, 0}));
-    EXPECT_EQ(render_film(b.scene, small_image_settings(8, 8), 16).invalid_samples(), 0u);
-    EXPECT_GT(render_film(b.scene, traced(), 16).invalid_samples(), 0u);
-}
-
 }  // namespace
 }  // namespace fathom
