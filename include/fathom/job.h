@@ -75,7 +75,7 @@ struct RenderSettings {
     /// Light tracing: number of light paths per pixel and sample index, at most max_light_paths. They are connected to
     /// the camera, and combined with path tracing by multiple importance sampling. They find caustics, the light that
     /// lamps send through glass or over mirrors onto other surfaces. Where it helps, they are aimed at places that make
-    /// caustics, as some 100,000 light paths show first. 0 is path tracing alone. Without effect if light_sampling is
+    /// caustics, as some 240,000 light paths show first. 0 is path tracing alone. Without effect if light_sampling is
     /// false.
     double light_paths = 0;
     Filter filter = Filter::blackman_harris;  ///< Pixel filter.

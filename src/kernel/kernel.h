@@ -107,7 +107,7 @@ struct LightArrival {
     float own_pdf;   ///< EmissionDensity::direction
 };
 
-/// What trace_light_paths() appends to.
+/// Output of trace_light_paths(), which appends to these lists.
 struct LightPathResults {
     std::vector<LightSplat> splats;
     bool records_arrivals = false;

@@ -15,7 +15,7 @@ struct TrainedGuiding {
     std::shared_ptr<const GuidingTables> tables;
 };
 
-/// What the light paths of a job are aimed at, learned when its first samples are rendered.
+/// Targets of the light paths of a job, learned when its first samples are rendered.
 struct LearnedLightTargets {
     std::once_flag once;
     std::unique_ptr<const LightTargets> targets;

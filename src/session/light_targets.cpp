@@ -91,7 +91,7 @@ struct Ball {
     }
 };
 
-/// What is known of light paths.
+/// Light paths that were traced for learning, and the values of the places where they arrived.
 class LearnedPaths {
 public:
     /// paths: number of light paths that were traced

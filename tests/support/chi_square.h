@@ -22,7 +22,7 @@ std::vector<double> integrate_cells(const std::function<double(Direction)>& f);
 /// the mismatch.
 std::string chi_square_of_cells(const std::vector<Direction>& samples, const std::vector<double>& cells);
 
-/// The same test against a pdf whose integral is 1.
+/// Pearson's chi-squared test of sampled directions against a pdf that integrates to 1: see chi_square_of_cells().
 std::string chi_square_directions(const std::vector<Direction>& samples, const std::function<double(Direction)>& pdf);
 
 /// Pearson's chi-squared test of observed cell counts against expected counts.

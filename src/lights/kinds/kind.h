@@ -174,7 +174,7 @@ inline void aim_from_surface(EmittedRay& ray, const Vec3& d, Mask two_sided)
     ray.scale = select(cosine > Float(0), ray.scale, Float(0));
     ray.pdf = max(cosine, Float(0)) * inverse_range(two_sided);
 }
-/// What curved surfaces assume in EmissionDensity::direction.
+/// Cosine at the light in EmissionDensity::direction of curved surfaces, in place of that of the ray.
 inline constexpr float mean_cosine = 0.5f;
 /// Densities of emit_from_surface(). cosine: at the light.
 inline EmissionDensity surface_emission_density(Float area, Mask two_sided, Float cosine)
