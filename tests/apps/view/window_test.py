@@ -62,13 +62,14 @@ class Window(unittest.TestCase):
         self.process = None
 
     def start(self, *arguments, scene="cornell-box.json", oidn="/nowhere"):
-        self.output = open(os.path.join(self.folder, "stdout"), "w+")
-        self.errors = open(os.path.join(self.folder, "stderr"), "w+")
+        paths = [os.path.join(self.folder, name) for name in ("stdout", "stderr")]
+        with open(paths[0], "w") as output, open(paths[1], "w") as errors:
+            self.process = subprocess.Popen([PROGRAM, "view", os.path.join(SCENES, scene), *arguments], cwd=self.folder,
+                                            env={**environment(), "FATHOM_OIDN": oidn}, stdout=output, stderr=errors)
+        # These are opened again to be read: seeking in a file that the program shares would move where it writes.
+        self.output, self.errors = [open(path) for path in paths]
         self.addCleanup(self.output.close)
         self.addCleanup(self.errors.close)
-        self.process = subprocess.Popen([PROGRAM, "view", os.path.join(SCENES, scene), *arguments], cwd=self.folder,
-                                        env={**environment(), "FATHOM_OIDN": oidn}, stdout=self.output,
-                                        stderr=self.errors)
         self.addCleanup(self.stop)
         self.window = None
         self.window = self.wait_for("the window", lambda: xdotool("search", "--name", scene).split()[:1])[0]
