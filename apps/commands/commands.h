@@ -11,7 +11,7 @@ class Option;
 namespace fathom::cli {
 
 /// Exit codes of the program, as --help lists them.
-enum ExitCode { exit_ok = 0, exit_error = 1, exit_usage = 2, exit_interrupted = 130 };
+enum ExitCode { exit_ok = 0, exit_error = 1, exit_usage = 2, exit_not_reached = 3, exit_interrupted = 130 };
 
 /// An invalid or contradictory option; the program returns exit_usage.
 struct UsageError : std::runtime_error {

@@ -5,6 +5,7 @@
 #include "commands/commands.h"
 #include "fathom/error.h"
 #include "fathom/film_file.h"
+#include "fathom/image_error.h"
 #include "fathom/memory.h"
 #include "options/arguments.h"
 #include "options/image_options.h"
@@ -39,7 +40,7 @@ struct MergeOptions {
 struct MergedFilm {
     Film film;
     std::map<std::string, std::string> attributes;  ///< attributes of the first part
-    bool has_alpha = false, has_variance = false, has_counts = false;
+    bool has_alpha = false, has_variance = false, has_counts = false, has_error = false;
     std::uint64_t planned_samples = 0;
 };
 
@@ -77,10 +78,15 @@ MergedFilm merge_parts(const MergeOptions& o, Reporter& reporter, std::vector<st
             const auto has = [&](const char* channel, const char* layer) { return has_layer(part, channel, layer); };
             FilmUse use;
             use.is_mergeable = !o.no_sums && writes_exr(o.images);
-            use.extra_channels = (has("variance.R", "variance") ? 3 : 0) + (has("samples.Y", "samples") ? 1 : 0);
+            use.extra_channels = (has("variance.R", "variance") ? 3 : 0) + (has("samples.Y", "samples") ? 1 : 0) +
+                                 (has("error.R", "error") ? 3 : 0);
             check_memory(file.string(), film_memory(part.key().settings, use, o.images));
-            merged = MergedFilm{part.read(), part.attributes(), has("A", "A"), has("variance.R", "variance"),
-                                has("samples.Y", "samples")};
+            merged = MergedFilm{part.read(),
+                                part.attributes(),
+                                has("A", "A"),
+                                has("variance.R", "variance"),
+                                has("samples.Y", "samples"),
+                                has("error.R", "error")};
         } else if (const std::string both = overlap(merged->film, part); !both.empty() && o.skip_overlaps) {
             left_out.push_back(fmt::format("skipped {}: another part has its samples {}", file.string(), both));
         } else {
@@ -107,6 +113,7 @@ int run_merge(const MergeOptions& o)
     for (const std::string& line : left_out) reporter.note(line);
     const Film& film = merged.film;
     Image image = film.image(merged.has_alpha, merged.has_variance);
+    if (merged.has_error) image.layers.push_back(standard_error(film));
     if (merged.has_counts) image.layers.push_back(sample_count_layer(film));
     const std::uint64_t planned_parts = planned_number(merged.attributes, planned_parts_attribute);
     image.attributes = std::move(merged.attributes);
@@ -123,6 +130,8 @@ int run_merge(const MergeOptions& o)
     const bool all_written = write_images(o.images, image, o.no_sums ? nullptr : &film, write, reporter);
     reporter.note(
         fmt::format("{} samples per pixel: {}", film.samples_per_pixel(), sample_ranges_text(film.samples())));
+    if (const std::optional<ImageError> error = estimate_error(film))
+        reporter.image_error({*error, ErrorMetric::relative, film.samples_per_pixel()});
     if (const auto missing = missing_samples(film.samples(), merged.planned_samples); !missing.empty())
         reporter.note("missing: " + missing_text(missing, merged.planned_samples, planned_parts));
     return all_written ? exit_ok : exit_error;

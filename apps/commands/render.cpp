@@ -26,6 +26,7 @@ constexpr CommandText render_text{
     "Examples:\n"
     "  fathom render scene.json --spp 1024 -o out.exr -o out.png\n"
     "  fathom render model.glb --time 10m --orbit 45,20 --env sky.hdr\n"
+    "  fathom render model.glb --error 2% --time 1h      stop at an error of 2 %, or after an hour\n"
     "  fathom render scene.json --size 1920x1080 --aov albedo,normal,variance -o out.exr\n"
     "  fathom render model.glb --frames 0:119 --fps 24 -o frame.####.png\n"
     "  fathom render model.glb --turntable 36 -o view.##.png\n"
@@ -33,7 +34,8 @@ constexpr CommandText render_text{
     "  fathom render scene.json --spp 1024 --part 3/16 -o part3.exr      fathom merge joins the parts\n"
     "  mpirun -n 8 fathom render scene.json -o out.exr      one image by 8 processes (docs/clusters.md)\n"
     "  fathom render scene.json --only-sample 400,300,7      replay one sample\n\n"
-    "Exit codes: 0 success; 1 error; 2 wrong usage; 130 interrupted."};
+    "Exit codes: 0 success; 1 error; 2 wrong usage; 3 the image is written, but --error was not reached; 130 "
+    "interrupted."};
 
 /// Compiles the scene with its light, whose backdrop and exposure go into the plan.
 ///
@@ -102,6 +104,7 @@ int render_scene(RenderOptions& o, Ranks* ranks, Reporter& reporter)
 /// Renders as one of the ranks that a launcher has started.
 int render_as_rank(RenderOptions& o, const RankEnvironment& environment, Reporter& reporter)
 {
+    if (o.samples.error.goal) throw UsageError("--error: runs as one process; under mpirun, choose --spp or --time");
     if (o.only_sample) throw UsageError("--only-sample: runs as one process; leave out mpirun");
     Ranks ranks(environment);
     return ranks.run(

@@ -14,15 +14,17 @@ namespace {
 
 void parse_aovs(FilmOptions& o, const std::string& text)
 {
-    static const std::vector<std::string> names = {"albedo",   "normal",   "depth",   "position",
-                                                   "instance", "material", "samples", "variance"};
-    constexpr int samples = 6, variance = 7;
+    static const std::vector<std::string> names = {"albedo",   "normal",  "depth",    "position", "instance",
+                                                   "material", "samples", "variance", "error"};
+    constexpr int samples = 6, variance = 7, error = 8;
     for (const std::string& name : split(text, ',')) {
         const int index = parse_choice(name, names);
         if (index == samples)
             o.aov_samples = true;
         else if (index == variance)
             o.aov_variance = true;
+        else if (index == error)
+            o.aov_error = true;
         else if (std::find(o.aovs.begin(), o.aovs.end(), Aov(index)) == o.aovs.end())
             o.aovs.push_back(Aov(index));
     }
@@ -37,6 +39,16 @@ OnlySample parse_only_sample(const std::string& text)
             parse_integer(parts[2], 0, max_samples - 1)};
 }
 
+void parse_error_goal(ErrorOptions& o, const std::string& text)
+{
+    o.is_estimated = text != "off";
+    o.goal.reset();
+    if (!o.is_estimated) return;
+    const bool is_percentage = text.ends_with('%');
+    const std::string number = is_percentage ? text.substr(0, text.size() - 1) : text;
+    o.goal = is_percentage ? parse_number(number, 1e-4, 1e6) / 100 : parse_number(number, 1e-6, 1e4);
+}
+
 void add_sample_options(Command& command, SampleOptions& o)
 {
     add_spp_option(command, o, "samples per pixel", default_render_samples);
@@ -45,6 +57,20 @@ void add_sample_options(Command& command, SampleOptions& o)
                        "with --spp, at most that many",
                        ""},
                       [&](const std::string& text) { o.time_s = parse_duration(text); });
+    command.add_value({"--error", "E|off",
+                       "stop once the error of the image, such as 2% or 0.02, is below E with 95 % confidence; with "
+                       "--spp and --time, whichever comes first (exit code 3 if E was not reached). off: do not "
+                       "estimate the error, which costs 3 % of the time",
+                       "estimate it only"},
+                      [&](const std::string& text) { parse_error_goal(o.error, text); });
+    command.add_value({"--error-metric", "relative|absolute|worst-block",
+                       "error that is estimated; relative: root of the mean of (x - r)^2 / (r^2 + 0.01), where r is "
+                       "the image without noise; absolute: of (x - r)^2, in linear radiance; worst-block: the "
+                       "relative error of the block of 32x32 pixels that has most",
+                       "relative"},
+                      [&](const std::string& text) {
+                          o.error.metric = ErrorMetric(parse_choice(text, {"relative", "absolute", "worst-block"}));
+                      });
     command.add_value({"--samples", "A:B",
                        "render only the samples with indices A to B-1, to be merged later; EXR keeps their sums", ""},
                       [&](const std::string& text) { o.range = parse_sample_range(text); });
@@ -129,7 +155,7 @@ void add_film_options(Command& command, FilmOptions& o)
                       [&](const std::string& text) { o.crop = parse_crop(text); });
     command.add_value({"--aov", "LIST",
                        "further layers of EXR, separated by commas: albedo, normal, depth, position, instance, "
-                       "material, samples, variance",
+                       "material, samples, variance, error",
                        "none"},
                       [&](const std::string& text) { parse_aovs(o, text); });
 }
@@ -160,12 +186,14 @@ void check_options(RenderOptions& o)
     check_frames(o);
     if (o.series.turntable > 0) check_turntable(o);
     check_samples(o.samples);
+    if (o.film.aov_error && !o.samples.error.is_estimated)
+        throw UsageError("--aov: the layer error is an estimate; leave out --error off");
     if (o.only_sample && !o.images.outputs.empty()) throw UsageError("--only-sample: writes no image, leave out -o");
     // A checkpoint contains the image, so that no other file is needed.
     if (o.images.outputs.empty() && !o.only_sample && o.checkpoint.file.empty())
         o.images.outputs.push_back(o.scene.file.stem().string() + ".png");
     const bool has_exr = writes_exr(o.images) || !o.checkpoint.file.empty();
-    if (!has_exr && (o.film.aov_samples || o.film.aov_variance || !o.film.aovs.empty()))
+    if (!has_exr && (o.film.aov_samples || o.film.aov_variance || o.film.aov_error || !o.film.aovs.empty()))
         throw UsageError("--aov: only EXR has layers; add -o FILE.exr");
     if (!has_exr && o.film.mergeable) throw UsageError("--mergeable: only EXR keeps sums; add -o FILE.exr");
     if ((o.samples.range || o.samples.part) && has_exr) o.film.mergeable = true;

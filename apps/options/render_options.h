@@ -22,7 +22,7 @@ struct OnlySample {
 struct FilmOptions {
     std::optional<Crop> crop;
     std::vector<Aov> aovs;
-    bool aov_samples = false, aov_variance = false;
+    bool aov_samples = false, aov_variance = false, aov_error = false;
     bool mergeable = false;  ///< EXR keeps the sums
 };
 

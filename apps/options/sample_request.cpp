@@ -20,18 +20,21 @@ void check_samples(const SampleOptions& o)
     if (o.range && (o.samples || o.time_s)) throw UsageError("--samples: leave out --spp and --time");
     if (o.part && (o.range || o.time_s))
         throw UsageError("--part: takes its share of --spp; leave out --samples and --time");
+    if (o.error.goal && (o.range || o.part))
+        throw UsageError("--error: needs the whole image; `fathom merge` reports the error of merged parts");
 }
 
 SampleRequest resolve_samples(const SampleOptions& o, const RenderHints& hints, const std::string& file,
                               std::uint64_t default_samples)
 {
-    SampleRequest request{o.samples, {}, o.time_s, o.part};
+    SampleRequest request{o.samples, {}, o.time_s, o.part, o.error};
+    const bool has_limit = o.time_s || o.error.goal;
     request.is_partial = o.range || o.part;
-    if (!o.samples && !o.time_s && hints.samples) {
+    if (!o.samples && !has_limit && hints.samples) {
         if (*hints.samples < 1) throw Error(file, "samples", "expected at least 1");
         request.planned = std::uint64_t(*hints.samples);
     }
-    if (!request.planned && !o.time_s && !o.range) {
+    if (!request.planned && !has_limit && !o.range) {
         request.planned = default_samples;
         request.is_default = true;
     }
@@ -43,7 +46,7 @@ SampleRequest resolve_samples(const SampleOptions& o, const RenderHints& hints, 
                 fmt::format("--part: {} samples can't be split into {} parts", *request.planned, o.part->count));
         request.range = samples_of_part(*o.part, *request.planned);
     } else {
-        request.range = {0, request.planned.value_or(max_samples)};
+        request.range = {0, request.planned.value_or(o.time_s ? max_samples : max_error_samples)};
     }
     return request;
 }

@@ -4,6 +4,7 @@
 #include <optional>
 #include <string>
 
+#include "fathom/image_error.h"
 #include "fathom/render.h"
 #include "options/command.h"
 #include "options/sample_plan.h"
@@ -14,12 +15,23 @@ namespace fathom::cli {
 /// forgotten one should stop working at some point.
 inline constexpr std::uint64_t default_render_samples = 256, default_view_samples = 4096;
 
-/// --spp, --time, --samples and --part.
+/// Largest number of samples per pixel of a render that only --error limits.
+inline constexpr std::uint64_t max_error_samples = 65536;
+
+/// --error and --error-metric.
+struct ErrorOptions {
+    std::optional<double> goal;  ///< the error at which rendering stops
+    ErrorMetric metric = ErrorMetric::relative;
+    bool is_estimated = true;
+};
+
+/// --spp, --time, --samples, --part and --error.
 struct SampleOptions {
     std::optional<std::uint64_t> samples;
     std::optional<double> time_s;
     std::optional<SampleRange> range;
     std::optional<PartNumber> part;
+    ErrorOptions error;
 };
 
 /// Adds --spp. `help` says what the number means to the command.
@@ -29,11 +41,12 @@ void check_samples(const SampleOptions& options);
 
 /// The samples that a run renders: resolved once from options, scene and default.
 struct SampleRequest {
-    /// Samples per pixel of the whole image; none where a time limit or a range decides alone.
+    /// Samples per pixel of the whole image; none where a time limit, an error or a range decides alone.
     std::optional<std::uint64_t> planned;
     SampleRange range;  ///< samples that are wanted in the end
     std::optional<double> time_s;
     std::optional<PartNumber> part;
+    ErrorOptions error;
     bool is_default = false;  ///< neither an option nor the scene gave a number
     bool is_partial = false;  ///< --samples or --part: to be merged with the films of other runs
 };

@@ -67,6 +67,7 @@ std::map<std::string, std::string> image_attributes(const RenderPlan& plan, cons
     if (s.alpha) layers.emplace_back("A");
     if (plan.film.aov_variance) layers.emplace_back("variance");
     if (plan.film.aov_samples) layers.emplace_back("samples");
+    if (plan.film.aov_error) layers.emplace_back("error");
     if (!layers.empty()) attributes[wanted_layers_attribute] = fmt::format("{}", fmt::join(layers, ","));
     return attributes;
 }
@@ -78,6 +79,21 @@ void add_part_progress(const Film& film, double samples_per_s, std::map<std::str
     if (film.samples_per_pixel() < 2) return;
     const FilmNoise noise = film_noise(film);
     if (noise.mean > 0) attributes[noise_attribute] = fmt::format("{:.6g}", noise.standard_error / noise.mean);
+}
+
+/// Reports the error of the image if it was to be estimated and the film has enough samples.
+void report_error(const Film& film, const ErrorEnd& end, Reporter& reporter)
+{
+    const ErrorWatch& watch = end.watch;
+    const std::optional<ImageError> error = watch.final_error(film);
+    if (!error) return;
+    ErrorReport report{*error, watch.options().metric, film.samples_per_pixel()};
+    report.after_twice = error->error * watch.decrease(2);
+    report.goal = watch.options().goal;
+    report.is_reached = watch.is_reached();
+    report.end = end.end;
+    if (watch.expected_samples() > report.samples) report.needed = watch.expected_samples();
+    reporter.image_error(report);
 }
 
 void warn_about_dropped_samples(const Film& film, Reporter& reporter)
@@ -102,6 +118,7 @@ ImageWriter::ImageWriter(const RenderPlan& plan, const ImageOptions& files, Repo
 bool ImageWriter::write(const Film& film, const Summary& summary)
 {
     Image image = film.image(plan_.settings.alpha, plan_.film.aov_variance);
+    if (plan_.film.aov_error) image.layers.push_back(standard_error(film));
     if (plan_.film.aov_samples) image.layers.push_back(sample_count_layer(film));
     image.attributes = image_attributes(plan_, film, summary);
     if (plan_.denoiser) add_denoised(image, *plan_.denoiser, plan_.film.aovs);
@@ -117,8 +134,9 @@ std::map<std::string, std::string> ImageWriter::checkpoint_attributes(const Film
     return attributes;
 }
 
-void ImageWriter::report_result(const Film& film, const Summary& summary, bool was_interrupted)
+void ImageWriter::report_result(const Film& film, const Summary& summary, bool was_interrupted, const ErrorEnd& error)
 {
+    report_error(film, error, reporter_);
     if (!plan_.denoiser) report_fireflies(film, plan_.write.display, reporter_);
     warn_about_dropped_samples(film, reporter_);
     if (was_interrupted)

@@ -3,9 +3,16 @@
 #include <map>
 #include <string>
 
+#include "render/error_watch.h"
 #include "render/still.h"
 
 namespace fathom::cli {
+
+/// What is known about the error at the end of a render.
+struct ErrorEnd {
+    const ErrorWatch& watch;
+    const char* end = "";  ///< why the render ended, unless the error was reached
+};
 
 /// Makes images and reports of a film.
 class ImageWriter {
@@ -18,7 +25,7 @@ public:
     std::map<std::string, std::string> checkpoint_attributes(const Film& film, const Summary& summary,
                                                              double samples_per_s) const;
     /// Reports the render once all is written.
-    void report_result(const Film& film, const Summary& summary, bool was_interrupted);
+    void report_result(const Film& film, const Summary& summary, bool was_interrupted, const ErrorEnd& error);
 
 private:
     const RenderPlan& plan_;

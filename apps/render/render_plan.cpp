@@ -30,6 +30,7 @@ RenderSettings plan_settings(const RenderOptions& o, const LoadedScene& scene, b
     settings.crop = o.film.crop;
     settings.aovs = o.film.aovs;
     settings.measure_stages = o.stats;
+    settings.error_probes = o.samples.error.is_estimated && !o.only_sample;
     if (is_denoised) add_denoiser_layers(settings);
     const std::string size = fmt::format("{}x{}", settings.width, settings.height);
     if (o.film.crop && (o.film.crop->x1 > settings.width || o.film.crop->y1 > settings.height))
@@ -44,7 +45,8 @@ std::vector<MemoryEstimate> plan_film_memory(const RenderPlan& plan)
     FilmUse use;
     use.has_checkpoint = !plan.checkpoint.file.empty();
     use.is_mergeable = plan.film.mergeable && writes_exr(plan.images);
-    use.extra_channels = (plan.film.aov_variance ? 3 : 0) + (plan.film.aov_samples ? 1 : 0);
+    use.extra_channels =
+        (plan.film.aov_variance ? 3 : 0) + (plan.film.aov_error ? 3 : 0) + (plan.film.aov_samples ? 1 : 0);
     return film_memory(plan.settings, use, plan.images);
 }
 
@@ -63,6 +65,7 @@ bool is_long(const RenderPlan& plan, double samples, double samples_per_pixel, d
 {
     if (plan.film.mergeable || plan.samples.is_partial || !plan.checkpoint.file.empty()) return true;
     if (plan.samples.time_s) return *plan.samples.time_s >= time_s;
+    if (!plan.samples.planned) return true;
     const double planned = double(*plan.samples.planned);
     return planned >= samples_per_pixel && planned * plan.settings.width * plan.settings.height >= samples;
 }

@@ -9,8 +9,8 @@
 
 namespace fathom::cli {
 
-Rendering::Rendering(const RenderJob& job, std::optional<double> time_s, Reporter& reporter)
-    : job_(job), time_s_(time_s), reporter_(reporter), start_s_(seconds_since_start())
+Rendering::Rendering(const RenderJob& job, std::optional<double> time_s, ErrorWatch& watch, Reporter& reporter)
+    : job_(job), time_s_(time_s), watch_(watch), reporter_(reporter), start_s_(seconds_since_start())
 {
     const RenderSettings& settings = job.settings();
     const Crop crop = settings.rendered_pixels();
@@ -21,56 +21,71 @@ void Rendering::run(Film& film, SampleRange wanted, std::function<void(const Fil
 {
     after_pass_ = std::move(after_pass);
     const std::vector<SampleRange> todo = missing_samples(film.samples(), wanted);
-    const std::uint64_t total = count_samples(todo);
-    if (time_s_) render_for_time(film, *time_s_, todo);
-    for (std::size_t i = 0; i < todo.size() && !time_s_ && !was_interrupted; ++i) render_range(film, todo[i], total);
+    total_ = count_samples(todo);
+    before_ = film.samples_per_pixel();
+    if (watch_.has_goal() && before_ > 0) watch_.look(film);
+    for (SampleRange range : todo)
+        while (range.first < range.second && !was_interrupted && !was_time_up && !watch_.is_reached()) {
+            const std::uint64_t count = next_count(film, range.second - range.first);
+            if (count == 0) {
+                was_time_up = true;
+                break;
+            }
+            const double begin_s = seconds_since_start();
+            render_range(film, {range.first, range.first + count});
+            range.first += count;
+            rendered_ += count;
+            // Only the latest range counts: the first ones are slower, since caches are cold.
+            sample_s_ = std::max((seconds_since_start() - begin_s) / double(count), 1e-9);
+            if (!was_interrupted && film.samples_per_pixel() >= watch_.next_look()) watch_.look(film);
+        }
     render_s = seconds_since_start() - start_s_;
 }
 
-void Rendering::render_range(Film& film, SampleRange range, std::uint64_t total)
+std::uint64_t Rendering::next_count(const Film& film, std::uint64_t most) const
+{
+    std::uint64_t count = most;
+    if (watch_.has_goal()) count = std::min(count, watch_.next_look() - film.samples_per_pixel());
+    if (!time_s_) return count;
+    // Ranges double in size, so that their overhead is small, until the next one would end too late.
+    if (rendered_ == 0) return 1;
+    const double fit = std::max(0.0, (*time_s_ - seconds_since_start()) / sample_s_);
+    return std::min({count, rendered_, std::uint64_t(std::min(fit, 1e15))});
+}
+
+void Rendering::render_range(Film& film, SampleRange range)
 {
     Progress last;
     const auto on_pass = [&](const Progress& p, const Film& so_far) {
         last = p;
-        report(p, total);
+        report(p);
         after_pass_(so_far);
+        if (!watch_.has_goal() && so_far.samples_per_pixel() >= watch_.next_look()) watch_.look(so_far);
     };
     was_interrupted = !render(job_, range, film, &interrupted(), on_pass);
     done_ += was_interrupted ? last.samples_done : pixels_ * (range.second - range.first);
     costs += last.costs;
-    report({}, total, !was_interrupted);
+    report({}, !was_interrupted);
 }
 
-void Rendering::report(const Progress& p, std::uint64_t total, bool force)
+double Rendering::fraction_done(std::uint64_t samples_done, double now_s) const
+{
+    const double per_pixel = double(samples_done) / double(pixels_);
+    double fraction = time_s_ ? now_s / *time_s_ : per_pixel / double(total_);
+    if (watch_.has_goal() && watch_.expected_samples() > 0)
+        fraction = std::max(fraction, (double(before_) + per_pixel) / double(watch_.expected_samples()));
+    return fraction;
+}
+
+void Rendering::report(const Progress& p, bool force)
 {
     const double now_s = seconds_since_start();
     const std::uint64_t done = done_ + p.samples_done;
-    // With a time limit, the number of samples is unknown in advance, so progress goes by time.
-    const double fraction = time_s_ ? now_s / *time_s_ : double(done) / double(pixels_ * total);
-    Progress progress{done, time_s_ ? 0 : pixels_ * total, costs};
+    // With a time limit or an error to reach, the number of samples is unknown in advance.
+    const bool is_open = time_s_ || watch_.has_goal();
+    Progress progress{done, is_open ? 0 : pixels_ * total_, costs};
     progress.costs += p.costs;
-    reporter_.progress(fraction, now_s - start_s_, progress, force && !time_s_);
-}
-
-void Rendering::render_for_time(Film& film, double time_s, std::vector<SampleRange> todo)
-{
-    std::uint64_t done = 0, count = 1;
-    for (std::size_t i = 0; i < todo.size();) {
-        SampleRange& range = todo[i];
-        const std::uint64_t end = std::min(range.second, range.first + count);
-        const double begin_s = seconds_since_start();
-        render_range(film, {range.first, end}, range.second - range.first);
-        if (was_interrupted) return;
-        const double now_s = seconds_since_start();
-        // Only the latest range counts: the first ones are slower, since caches are cold.
-        const double sample_s = std::max((now_s - begin_s) / double(end - range.first), 1e-9);
-        done += end - range.first;
-        range.first = end;
-        if (range.first == range.second) ++i;
-        const double fit = std::max(0.0, (time_s - now_s) / sample_s);
-        count = std::min(done, std::uint64_t(std::min(fit, 1e15)));
-        if (count == 0) return;
-    }
+    reporter_.progress(fraction_done(done, now_s), now_s - start_s_, progress, force && !is_open);
 }
 
 }  // namespace fathom::cli

@@ -4,6 +4,7 @@
 #include <optional>
 #include <vector>
 
+#include "render/error_watch.h"
 #include "report/reporter.h"
 
 namespace fathom::cli {
@@ -12,9 +13,9 @@ namespace fathom::cli {
 class Rendering {
 public:
     /// time_s  limit from the program's start on; none: all samples are rendered
-    Rendering(const RenderJob& job, std::optional<double> time_s, Reporter& reporter);
+    Rendering(const RenderJob& job, std::optional<double> time_s, ErrorWatch& watch, Reporter& reporter);
 
-    /// Renders the samples of `wanted` that the film does not have yet.
+    /// Renders the samples of `wanted` that the film does not have yet, until the time is up or the error small enough.
     ///
     /// after_pass  called between passes
     void run(Film& film, SampleRange wanted, std::function<void(const Film&)> after_pass);
@@ -22,19 +23,26 @@ public:
     double render_s = 0;
     RenderCosts costs;
     bool was_interrupted = false;
+    bool was_time_up = false;
 
 private:
-    /// total  samples per pixel of the whole run
-    void render_range(Film& film, SampleRange range, std::uint64_t total);
-    /// Renders ranges of doubling size, so that their overhead is small, until the next one would end too late.
-    void render_for_time(Film& film, double time_s, std::vector<SampleRange> todo);
-    void report(const Progress& p, std::uint64_t total, bool force = false);
+    /// Number of samples to render next, of at most `most`; 0: the time is up.
+    std::uint64_t next_count(const Film& film, std::uint64_t most) const;
+    void render_range(Film& film, SampleRange range);
+    void report(const Progress& p, bool force = false);
+    /// Fraction of the render that is done, as far as is known.
+    double fraction_done(std::uint64_t samples_done, double now_s) const;
 
     const RenderJob& job_;
     std::optional<double> time_s_;
+    ErrorWatch& watch_;
     Reporter& reporter_;
     std::function<void(const Film&)> after_pass_;
     double start_s_;
+    double sample_s_ = 0;         ///< seconds per sample of the latest range; 0: nothing was rendered yet
+    std::uint64_t total_ = 0;     ///< samples per pixel of the whole run, at most
+    std::uint64_t before_ = 0;    ///< samples per pixel that the film had before
+    std::uint64_t rendered_ = 0;  ///< samples per pixel of finished ranges
     std::uint64_t pixels_ = 0, done_ = 0;
 };
 

@@ -11,6 +11,7 @@
 #include "fathom/film_file.h"
 #include "options/sample_plan.h"
 #include "process/streams.h"
+#include "report/error_report.h"
 
 namespace fathom::cli {
 
@@ -87,6 +88,12 @@ ordered_json describe_film(const std::filesystem::path& path)
         const FilmNoise noise = film_noise(film);
         info["noise"] = {{"standard_error", noise.standard_error}, {"mean", noise.mean}};
     }
+    if (const std::optional<ImageError> error = estimate_error(film)) {
+        const ErrorReport report{*error, ErrorMetric::relative, film.samples_per_pixel()};
+        info["error"] = error_json(report);
+        info["error"].erase("event");
+        info["error"]["text"] = error_text(report);
+    }
     info["attributes"] = file.attributes();
     return info;
 }
@@ -110,6 +117,7 @@ void print_film_text(const ordered_json& info)
     if (info.contains("noise"))
         line("noise", fmt::format("standard error {:.3g}, mean {:.3g}", double(info["noise"]["standard_error"]),
                                   double(info["noise"]["mean"])));
+    if (info.contains("error")) line("error", info["error"]["text"]);
     line("layers", fmt::format("{}", fmt::join(info["layers"].get<std::vector<std::string>>(), ", ")));
     line("seed", fmt::format("{}", std::uint64_t(info["seed"])));
     line("scene", info["scene_fingerprint"]);

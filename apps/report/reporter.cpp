@@ -231,6 +231,12 @@ void Reporter::fireflies(const Film::Fireflies& found, double clamp)
                     100 * found.samples, 100 * std::min(found.noise, 1.0), clamp));
 }
 
+void Reporter::image_error(const ErrorReport& report)
+{
+    if (mode_ == ReportMode::json) return print_event(error_json(report));
+    note(error_text(report));
+}
+
 void Reporter::summary(const Summary& s)
 {
     const std::uint64_t memory = peak_memory_bytes();

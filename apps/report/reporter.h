@@ -9,6 +9,7 @@
 
 #include "fathom/load.h"
 #include "fathom/render.h"
+#include "report/error_report.h"
 
 namespace fathom::cli {
 
@@ -43,6 +44,7 @@ public:
     void summary(const Summary& summary);
     /// Reports where the rendering time went.
     void cost_sheet(const Summary& summary);
+    void image_error(const ErrorReport& report);
     /// clamp  value of --clamp-indirect that would remove the fireflies
     void fireflies(const Film::Fireflies& fireflies, double clamp);
 

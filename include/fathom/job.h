@@ -86,6 +86,10 @@ struct RenderSettings {
     /// Linear Rec.709 radiance that camera rays see instead of the environment if they leave the scene. The environment
     /// still lights the scene.
     std::optional<Color> background;
+    /// Renders one pixel in 32 a second time, with other random numbers, so that estimate_error() can tell how large
+    /// the error of the image is. The image itself doesn't change. Without effect in images less than three pixels
+    /// wide.
+    bool error_probes = false;
     bool alpha = false;  ///< Also sums coverage, so that Film::image can return an alpha channel.
     int threads = 0;     ///< Number of threads for rendering; 0 selects available_threads().
     /// Maximum contribution of a sample's indirect light (at least two scattering events) to each channel. It removes

@@ -9,6 +9,7 @@
 #include "fathom/error.h"
 #include "film/film_data.h"
 #include "film/film_words.h"
+#include "film/moments.h"
 
 namespace fathom {
 
@@ -47,7 +48,7 @@ double splats(const FilmLayout& layout, const std::uint32_t* pixel, int channel)
 
 }  // namespace
 
-FilmLayout::FilmLayout(const std::vector<Aov>& aovs, bool alpha_wanted, bool light_tracing)
+FilmLayout::FilmLayout(const std::vector<Aov>& aovs, bool alpha_wanted, bool light_tracing, bool error_probes)
 {
     const auto has = [&](Aov aov) { return std::find(aovs.begin(), aovs.end(), aov) != aovs.end(); };
     const auto take = [&](bool wanted, int count) {
@@ -62,6 +63,7 @@ FilmLayout::FilmLayout(const std::vector<Aov>& aovs, bool alpha_wanted, bool lig
     position = take(has(Aov::position), 3);
     hits = take(depth >= 0 || position >= 0, 1);
     splats = take(light_tracing, 3);
+    probe = take(error_probes, 1);
     words += sums * ExactSum::words;
     if (has(Aov::instance_id) || has(Aov::material_id)) {
         ids = words;
@@ -278,16 +280,10 @@ Image Film::image(bool alpha, bool variance) const
         }
     }
     if (variance)
-        image.layers.push_back(fill(film, "variance", {"R", "G", "B"}, [&](const std::uint32_t* pixel, int c) {
-            if (n < 2) return 0.0f;
-            const double mean = radiance(pixel, c) * scale;
-            const double paths =
-                std::max(0.0, ExactSquareSum::value(square_sum(pixel, c)) * scale - mean * mean) / (n - 1);
-            // Splats are rare: the variance of their sum is the sum of their squares.
-            return float(layout.splats < 0
-                             ? paths
-                             : paths + ExactSquareSum::value(layout.splat_square(pixel, c)) * scale * scale);
-        }));
+        image.layers.push_back(
+            fill(film, "variance", {"R", "G", "B"}, [moments = FilmMoments(*this)](const std::uint32_t* pixel, int c) {
+                return float(moments.of(pixel).all_variance(std::size_t(c)));
+            }));
     return image;
 }
 

@@ -17,16 +17,18 @@ void check_settings(const RenderSettings& settings);
 /// Layout of a film's pixel: sums of radiance, sums of its squares, then the sums that the settings ask for in the
 /// order of the members of AovPlaces, which hold the index of the first sum of each. `ids` is the word of (sample
 /// index, instance id, material id) of the first sample. With light tracing, the sums of splats and of their squares
-/// are apart from those of camera paths: the variance of each is known from its own.
+/// are apart from those of camera paths: the variance of each is known from its own. With error probes, one more sum
+/// per pixel has room for those of a Probe nearby.
 struct FilmLayout : AovPlaces {
     int splats = -1;          ///< index of the first of three sums of splats; -1: no light tracing
+    int probe = -1;           ///< index of the sum of a probe; -1: no probes
     int splat_squares = -1;   ///< word of the first of three sums of squared splats
     int sums = 0;             ///< number of sums besides radiance and its squares
     int words = other_words;  ///< 32-bit words per pixel
 
-    FilmLayout(const std::vector<Aov>& aovs, bool alpha_wanted, bool light_tracing = false);
+    FilmLayout(const std::vector<Aov>& aovs, bool alpha_wanted, bool light_tracing = false, bool error_probes = false);
     explicit FilmLayout(const RenderSettings& settings)
-        : FilmLayout(settings.aovs, settings.alpha, settings.light_paths > 0)
+        : FilmLayout(settings.aovs, settings.alpha, settings.light_paths > 0, settings.error_probes)
     {
     }
     /// The sum of squared splats of a channel, within a pixel.

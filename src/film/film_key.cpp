@@ -29,6 +29,7 @@ std::vector<std::pair<std::string, std::string>> fields_of(const FilmKey& key)
             {"light_selection", fmt::format("{}", int(s.light_selection))},
             {"guiding", fmt::format("{}", int(s.guiding))},
             {"light_paths", fmt::format("{:a}", s.light_paths)},
+            {"error_probes", fmt::format("{}", int(s.error_probes))},
             {"filter",
              fmt::format("{}", int(s.filter)) + (s.filter_radius > 0 ? fmt::format("x{:a}", s.filter_radius) : "")},
             {"crop", s.crop ? fmt::format("{},{},{},{}", s.crop->x0, s.crop->y0, s.crop->x1, s.crop->y1) : "none"},
@@ -163,6 +164,7 @@ FilmKey FilmKey::parse(const std::string& text)
     s.light_selection = LightSelection(parser.number<int>("light_selection", 0, 2));
     s.guiding = parser.number<int>("guiding", 0, 1) == 1;
     s.light_paths = parser.number<double>("light_paths", 0, max_light_paths);
+    s.error_probes = parser.number<int>("error_probes", 0, 1) == 1;
     const std::string_view filter = parser.field("filter"), kind = filter.substr(0, filter.find('x'));
     s.filter = Filter(KeyParser::numbers<int, 1>("filter", kind, ',', 0, 3)[0]);
     if (kind.size() < filter.size())

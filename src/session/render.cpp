@@ -18,18 +18,18 @@
 #include "fathom/memory.h"
 #include "fathom/threads.h"
 #include "film/film_data.h"
+#include "film/probes.h"
 #include "kernel/kernel.h"
 #include "session/guiding.h"
 #include "session/job.h"
 #include "session/light_targets.h"
 #include "session/light_trial.h"
+#include "session/tiles.h"
 
 namespace fathom {
 
 namespace {
 
-/// Number of samples per task, which keeps the kernel's pool full and still balances the threads.
-constexpr std::uint64_t samples_per_job = 1u << 15;
 /// Target duration of a pass, for progress reports and quick cancellation.
 constexpr double pass_s = 0.4;
 /// A pass of a single sample that takes longer can be discarded, since cancellation should take at most two seconds.
@@ -88,52 +88,6 @@ const LightTargets* light_targets_of(const RenderJob& job, const KernelSettings&
     return learned->targets.get();
 }
 
-/// Square tiles of the image, in rows.
-class Tiles {
-public:
-    Tiles(Crop crop, int size) : crop_(crop), size_(size)
-    {
-        columns_ = (crop.x1 - crop.x0 + size - 1) / size;
-        rows_ = (crop.y1 - crop.y0 + size - 1) / size;
-    }
-    std::size_t count() const { return std::size_t(columns_) * std::size_t(rows_); }
-    /// Pixels of a tile, x in the low 16 bits and y above, in Morton order, which keeps neighbors in the list close in
-    /// the image.
-    void pixels(std::size_t tile, std::vector<std::uint32_t>& list) const
-    {
-        list.clear();
-        const int x0 = crop_.x0 + int(tile % std::size_t(columns_)) * size_;
-        const int y0 = crop_.y0 + int(tile / std::size_t(columns_)) * size_;
-        for (std::uint32_t code = 0; code < std::uint32_t(size_ * size_); ++code) {
-            const int x = x0 + even_bits(code), y = y0 + even_bits(code >> 1);
-            if (x < crop_.x1 && y < crop_.y1) list.push_back(std::uint32_t(y) << 16 | std::uint32_t(x));
-        }
-    }
-
-private:
-    static int even_bits(std::uint32_t code)
-    {
-        int bits = 0;
-        for (int i = 0; i < 16; ++i) bits |= int(code >> (2 * i) & 1) << i;
-        return bits;
-    }
-    Crop crop_;
-    int size_, columns_, rows_;
-};
-
-/// Tile size, a power of two, for about samples_per_job samples per task and several tasks per thread.
-int tile_size(Crop crop, std::uint64_t samples, int threads)
-{
-    int size = 4;
-    const auto jobs = [&](int s) {
-        return std::uint64_t((crop.x1 - crop.x0 + s - 1) / s) * std::uint64_t((crop.y1 - crop.y0 + s - 1) / s);
-    };
-    const auto pixels = [](int s) { return std::uint64_t(s) * std::uint64_t(s); };
-    while (size < 128 && pixels(2 * size) * samples <= samples_per_job && jobs(2 * size) >= 8 * std::uint64_t(threads))
-        size *= 2;
-    return size;
-}
-
 /// Per-thread state of a rendering pass.
 struct Worker {
     std::vector<std::uint32_t> pixels;
@@ -189,6 +143,22 @@ void add_to_words(const Worker& worker, const Film::Data& film, std::uint32_t* w
             ExactSquareSum::add_number(square_sum(sums, c), double(slow.value[c]) * slow.value[c]);
         }
     }
+}
+
+/// Adds the radiance of the worker's pixels, which are those of `probes`, to the sums of the probes in `words`.
+void add_probes_to_words(const Worker& worker, const Probe* probes, const Film::Data& film, std::uint32_t* words)
+{
+    const auto sum_of = [&](std::uint32_t i, int channel) {
+        const std::size_t index = probes[i].sums + std::size_t(channel);
+        return other_sum(words + index * std::size_t(film.layout.words), film.layout.probe);
+    };
+    for (std::uint32_t i = 0; i < worker.pixels.size(); ++i) {
+        std::array<std::uint32_t, other_words> pixel{};
+        worker.sums.add_to(i, pixel.data(), 0, -1);
+        for (int c = 0; c < 3; ++c) ExactSum::add(sum_of(i, c), radiance_sum(pixel.data(), c));
+    }
+    for (const TileSums::Slow& slow : worker.sums.slow())
+        for (int c = 0; c < 3; ++c) ExactSum::add_number(sum_of(slow.pixel, c), slow.value[c]);
 }
 
 /// Adds splats to `words`, the sums of a whole image, from several threads at once: sums do not depend on the order.
@@ -290,6 +260,7 @@ public:
           crop_(job.settings().rendered_pixels()),
           arena_(job.settings().threads)
     {
+        if (job.settings().error_probes) probes_ = probes_of(film.width, crop_);
         if (const std::string difference = film.key.difference(job.key()); !difference.empty())
             throw Error("", "", "the film belongs to another job: " + difference);
         if (scene_.tables->lights.empty()) kernel_.light_paths = 0;
@@ -326,6 +297,35 @@ public:
         };
         arena_.execute([&] {
             tbb::parallel_for(tbb::blocked_range<std::size_t>(0, tiles.count(), 1), render_tiles,
+                              tbb::simple_partitioner());
+        });
+    }
+
+    /// Renders the probes of a pass and adds them to `words`, the sums of a whole image. Asks stop() before each task.
+    template <class Stop>
+    void render_probes(SampleRange range, std::uint32_t* words, const Stop& stop)
+    {
+        KernelSettings settings = kernel_;
+        settings.seed = probe_seed(kernel_.seed);
+        settings.aovs = {};
+        settings.film_words = std::size_t(other_words);
+        const auto samples = std::uint32_t(range.second - range.first);
+        const auto render = [&](const tbb::blocked_range<std::size_t>& block) {
+            if (stop()) return;
+            Worker& worker = workers_.local();
+            worker.pixels.clear();
+            for (std::size_t i = block.begin(); i != block.end(); ++i)
+                worker.pixels.push_back(std::uint32_t(probes_[i].y) << 16 | std::uint32_t(probes_[i].x));
+            worker.sums.reset(worker.pixels.size(), settings.film_words);
+            const KernelJob job{worker.pixels.data(), std::uint32_t(worker.pixels.size()), std::uint32_t(range.first),
+                                samples};
+            worker.measured(RenderStage::camera, kernel_.measure,
+                            [&] { render_job(*scene_.kernel, camera_, settings, job, worker.sums, worker.counters); });
+            worker.measured(RenderStage::film, kernel_.measure,
+                            [&] { add_probes_to_words(worker, &probes_[block.begin()], film_, words); });
+        };
+        arena_.execute([&] {
+            tbb::parallel_for(tbb::blocked_range<std::size_t>(0, probes_.size(), probes_per_job(samples)), render,
                               tbb::simple_partitioner());
         });
     }
@@ -383,11 +383,19 @@ public:
     }
 
 private:
+    /// Returns the number of probes per task: enough samples to fill the kernel's pool, and a task for each thread.
+    std::size_t probes_per_job(std::uint32_t samples) const
+    {
+        const std::size_t most = std::max<std::size_t>(samples_per_job / samples, 1);
+        return std::clamp<std::size_t>(probes_.size() / std::size_t(4 * arena_.threads()), 1, most);
+    }
+
     const Scene::Data& scene_;
     Film::Data& film_;
     KernelSettings kernel_;
     const CameraRecord& camera_;
     Crop crop_;
+    std::vector<Probe> probes_;
     ThreadArena arena_;
     Workers workers_;
     double learning_s_ = 0;  ///< learning time, summed over threads
@@ -435,6 +443,7 @@ bool render_into(Film& film, const RenderJob& job, Passes& passes, SampleRange r
             add_to_words(worker, data, sums);
         },
         stop);
+    passes.render_probes(range, sums, stop);
     passes.trace_light(range, sums, stop);
     if (dropped) {
         if (is_first) film.reset(job);
@@ -504,6 +513,7 @@ try {
         return stopped.load(std::memory_order_relaxed);
     };
     passes.render(range, take, stop);
+    passes.render_probes(range, sums, stop);
     passes.trace_light(range, sums, stop);
     if (stopped) {
         if (is_first) film.reset(job);

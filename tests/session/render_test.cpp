@@ -1,9 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
+#include <atomic>
+#include <cmath>
+
 #include <algorithm>
 
 #include "fathom/error.h"
+#include "fathom/image_error.h"
 #include "fathom/render.h"
 #include "support/film_contents.h"
 
@@ -88,6 +92,66 @@ TEST(Render, RefusesSamplesThatTheFilmHas)
     EXPECT_EQ(test::words_of(film), test::words_of(before));
     EXPECT_EQ(film.samples(), before.samples());
     EXPECT_TRUE(render(job, {0, 4}, film));
+}
+
+/// Probes add sums of their own and change nothing else, and don't depend on threads, passes and the crop.
+TEST(Render, ErrorProbesChangeNoPixel)
+{
+    for (int kind = 0; kind < 3; ++kind) {
+        RenderSettings settings;
+        settings.width = 70, settings.height = 40;
+        settings.alpha = true;
+        const Image without = rendered(noisy(kind), settings, {0, 8});
+        settings.error_probes = true;
+        const Image with = rendered(noisy(kind), settings, {0, 8});
+        EXPECT_EQ(with.layers[0].pixels, without.layers[0].pixels);
+        EXPECT_EQ(with.find("variance")->pixels, without.find("variance")->pixels);
+
+        settings.crop = Crop{3, 5, 65, 38};
+        Warnings warnings;
+        const Scene scene = Scene::compile(noisy(kind), "", warnings);
+        settings.threads = 1;
+        Film whole(RenderJob(scene, settings));
+        render(RenderJob(scene, settings), {0, 8}, whole);
+        settings.threads = 3;
+        Film parts(RenderJob(scene, settings));
+        render(RenderJob(scene, settings), {5, 8}, parts);
+        const std::atomic<bool> cancel = false;
+        render_pass(RenderJob(scene, settings), {0, 5}, parts, cancel);
+        EXPECT_EQ(test::words_of(whole), test::words_of(parts));
+    }
+}
+
+/// The interval of the estimated error contains the difference from a reference about as often as it should.
+TEST(Render, ErrorOfTheImageIsInItsInterval)
+{
+    for (int kind = 1; kind < 3; ++kind) {
+        RenderSettings settings;
+        settings.width = 128, settings.height = 96;
+        settings.error_probes = true;
+        const std::vector<float> reference = rendered(noisy(kind), settings, {100000, 100600}).layers[0].pixels;
+        Warnings warnings;
+        const Scene scene = Scene::compile(noisy(kind), "", warnings);
+        int inside = 0;
+        constexpr int images = 20;
+        for (int i = 0; i < images; ++i) {
+            settings.seed = std::uint32_t(1 + i);
+            const RenderJob job(scene, settings);
+            Film film(job);
+            render(job, {0, 4}, film);
+            const std::vector<float> pixels = film.beauty(false).layers[0].pixels;
+            double squares = 0;
+            for (std::size_t k = 0; k < pixels.size(); ++k) {
+                const double r = double(reference[k]), d = double(pixels[k]) - r;
+                squares += d * d / (r * r + 0.01);
+            }
+            const double error = std::sqrt(squares / double(pixels.size()));
+            const ImageError estimate = estimate_error(film).value();
+            inside += estimate.low <= error && error <= estimate.high;
+            EXPECT_NEAR(estimate.error, error, 0.25 * error);
+        }
+        EXPECT_GE(inside, 16) << kind;
+    }
 }
 
 TEST(Render, AnotherSeedIsOtherNoise)

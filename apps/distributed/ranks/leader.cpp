@@ -212,7 +212,7 @@ private:
         ranks_.send_to_all("order", remove ? "remove" : "leave");
         if (remove) own_.remove();
         summary_.write_s = seconds_since_start() - write_start_s;
-        images_.report_result(own_.film, summary_, was_interrupted);
+        images_.report_result(own_.film, summary_, was_interrupted, {ErrorWatch(plan_.samples.error)});
         if (!all_written) return exit_error;
         return was_interrupted ? exit_interrupted : exit_ok;
     }
