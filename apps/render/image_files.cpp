@@ -40,13 +40,9 @@ void report_float_layers(const fs::path& file, const Image& image, Reporter& rep
     constexpr float max_half = 65504;
     std::vector<std::string> names;
     for (const Image::Layer& layer : image.layers) {
-        const bool is_color = layer.name != "variance" &&
-                              std::all_of(layer.channels.begin(), layer.channels.end(), [](const std::string& c) {
-                                  return c == "R" || c == "G" || c == "B" || c == "A";
-                              });
         const bool is_large = std::any_of(layer.pixels.begin(), layer.pixels.end(),
                                           [](float v) { return std::abs(v) > max_half && !std::isinf(v); });
-        if (is_color && is_large) names.push_back(layer.name.empty() ? "the image" : "the layer " + layer.name);
+        if (layer.is_color() && is_large) names.push_back(layer.name.empty() ? "the image" : "the layer " + layer.name);
     }
     if (!names.empty())
         reporter.note(fmt::format("{}: {} has values above 65504, which half can't hold: written as float",

@@ -35,10 +35,8 @@ std::string estimate_text(const ErrorReport& r)
     const std::string about =
         fmt::format("{} about {}, which can't be trusted", name, with_unit(text(r.error.error), r.metric));
     if (r.metric == ErrorMetric::worst_block) return about;
-    return fmt::format(
-        "{}: single bright samples make {:.0f} % of the noise. Without the noisiest 0.1 % of the pixels it "
-        "is {}",
-        about, 100 * r.error.few_share, with_unit(text(r.error.rest), r.metric));
+    return fmt::format("{}: few bright samples decide it; {} without the noisiest 0.1 % of the pixels", about,
+                       with_unit(text(r.error.rest), r.metric));
 }
 
 }  // namespace

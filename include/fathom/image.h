@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -27,6 +28,15 @@ struct Image {
         std::string name;  ///< Name of the layer: empty for the image itself; "albedo", "normal", "denoised", ...
         std::vector<std::string> channels;  ///< Names of the channels, such as "R", "G", "B", "A".
         std::vector<float> pixels;          ///< Pixel values: width * height * channels.size(), interleaved.
+
+        /// Returns whether the layer holds colors: its channels are R, G, B or A, and its values not those of noise
+        /// ("variance" and "error"), which can't be converted between color spaces.
+        bool is_color() const
+        {
+            return name != "variance" && name != "error" &&
+                   std::all_of(channels.begin(), channels.end(),
+                               [](const std::string& c) { return c == "R" || c == "G" || c == "B" || c == "A"; });
+        }
     };
     /// A channel of integers that a float would round. Only EXR files keep it.
     struct UintChannel {

@@ -22,11 +22,8 @@ namespace {
 bool fits_half(const Image::Layer& layer)
 {
     constexpr float largest_half = 65504;
-    if (layer.name == "variance") return false;
-    for (const std::string& channel : layer.channels)
-        if (channel != "R" && channel != "G" && channel != "B" && channel != "A") return false;
-    return std::none_of(layer.pixels.begin(), layer.pixels.end(),
-                        [](float v) { return std::abs(v) > largest_half && !std::isinf(v); });
+    return layer.is_color() && std::none_of(layer.pixels.begin(), layer.pixels.end(),
+                                            [](float v) { return std::abs(v) > largest_half && !std::isinf(v); });
 }
 
 /// Bytes that OpenEXR reads of an attribute of this type, whatever its stated length; 0 if it reads the stated length.
@@ -73,14 +70,14 @@ bool is_channel_list(std::string_view bytes)
     return bytes.size() == 1;
 }
 
-/// Layers converted to other primaries. Variance layers are kept, since the variances of mixed channels don't follow
-/// from those of the channels.
+/// Layers converted to other primaries. Variances and standard errors are kept, since those of mixed channels don't
+/// follow from those of the channels.
 std::vector<Image::Layer> converted_layers(const Image& image, const Chromaticities& primaries)
 {
     const ColorMatrix matrix = conversion(rec709_chromaticities, primaries);
     std::vector<Image::Layer> layers = image.layers;
     for (Image::Layer& layer : layers)
-        if (layer.name != "variance") convert(layer, matrix);
+        if (layer.is_color()) convert(layer, matrix);
     return layers;
 }
 

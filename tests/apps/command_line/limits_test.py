@@ -28,7 +28,7 @@ class Limits(CommandLine):
 
     def test_what_is_too_large_is_refused_by_name(self):
         self.refused(1, "render", "box.json", "--size", "8192x8192", "--memory", "8G", "-o", "a.exr",
-                     words=["box.json: needs about ", "film of 8192x8192 5.6", "--memory allows 8 GB"])
+                     words=["box.json: needs about ", "film of 8192x8192 6.4", "--memory allows 8 GB"])
         self.scene("rich.json", "camera main texture a texture b")
         self.refused(1, "render", "rich.json", "--size", "64x64", "--memory", "512M", "-o", "a.png",
                      words=["(textures 600", "--memory allows 512 MB"])
