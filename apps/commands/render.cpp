@@ -110,6 +110,7 @@ int render_scene(RenderOptions& o, Ranks* ranks, SceneWatch* watch, Reporter& re
 int render_as_rank(RenderOptions& o, const RankEnvironment& environment, Reporter& reporter)
 {
     if (o.only_sample) throw UsageError("--only-sample: runs as one process; leave out mpirun");
+    if (o.watches) throw UsageError("--watch: runs as one process; leave out mpirun");
     Ranks ranks(environment);
     return ranks.run(
         [&] {
@@ -153,10 +154,7 @@ int run_render(RenderOptions& o, Reporter& reporter)
                      : as_json            ? "{\"event\":\"interrupted\"}\n"
                                           : "\nfathom: interrupted before anything was rendered\n");
     check_options(o);
-    if (environment.count > 1) {
-        if (o.watches) throw UsageError("--watch: runs as one process; leave out mpirun");
-        return render_as_rank(o, environment, reporter);
-    }
+    if (environment.count > 1) return render_as_rank(o, environment, reporter);
     check_outputs(o);
     return o.watches ? render_and_watch(o, reporter) : render_scene(o, nullptr, nullptr, reporter);
 }
