@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 # Runs the commands of docs/install.md for the tarball and the Debian packages in minimal systems, and checks the packages.
 #   scripts/package_test.sh [FOLDER]     FOLDER: packages that scripts/package.sh made; default: makes them
+# FATHOM_ROOT names a folder with a minimal Debian 12 to copy instead of making one by debootstrap.
 # Needs root, debootstrap and a source of Debian packages (the first one of this machine's apt); takes some minutes.
 set -euo pipefail
 here=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
@@ -42,14 +43,14 @@ commands_of() {
 
 # A copy of a minimal Debian 12, which is made once; with a folder /try in it.
 new_root() {
-    local root=$work/$1 mirror
-    if [ ! -d "$work/bookworm" ]; then
+    local root=$work/$1 minimal=${FATHOM_ROOT:-$work/bookworm} mirror
+    if [ ! -d "$minimal" ]; then
         # shellcheck disable=SC2016  # $(REPO_URI) is for apt-get
         mirror=$(apt-get indextargets --format '$(REPO_URI)' | head -n 1)
-        debootstrap --variant=minbase bookworm "$work/bookworm" "$mirror" >"$work/debootstrap.log" || fail "debootstrap (see $work/debootstrap.log)"
-        cp /etc/resolv.conf "$work/bookworm/etc/resolv.conf"
+        debootstrap --variant=minbase bookworm "$minimal" "$mirror" >"$work/debootstrap.log" || fail "debootstrap (see $work/debootstrap.log)"
     fi
-    cp -a "$work/bookworm" "$root"
+    cp -a "$minimal" "$root"
+    cp /etc/resolv.conf "$root/etc/resolv.conf"
     mount -t proc proc "$root/proc"
     mkdir "$root/try"
     cp "$work/model.glb" "$root/try"
@@ -126,7 +127,8 @@ test_debs() {
 
 tar xzf "$packages"/fathom-*-linux-x86_64.tar.gz -C "$work"
 program=$work/fathom-0.1.0/bin/fathom
-"$program" convert scenes/model.json "$work/model.glb" >/dev/null 2>&1
+printf 'v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n' >"$work/model.obj"
+"$program" convert "$work/model.obj" "$work/model.glb" >/dev/null 2>&1
 # A binary PLY of 10 MB: a grid of 500 x 500 vertices, rounded to a bump.
 python3 - "$work/large.ply" <<'PYTHON'
 import math, struct, sys
