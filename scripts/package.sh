@@ -34,10 +34,21 @@ needed_libraries() {
     ldd "$@" | sed -n 's/^[[:space:]]*\([^ ]*\) => \(\/[^ ]*\) .*/\1 \2/p' | sort -u
 }
 
+# Copies the licenses of code that is compiled into the program and the libraries.
+copy_licenses() {
+    local folder=$1 package basis=$build/crates/vendor/basis-universal-sys/vendor/basis_universal
+    mkdir -p "$folder"
+    for package in libcli11-dev nlohmann-json3-dev libstb-dev libxxhash-dev; do cp "/usr/share/doc/$package/copyright" "$folder/$package"; done
+    if [ -f "$basis/LICENSE" ]; then
+        cp "$basis/LICENSE" "$folder/basis-universal"
+        cp "$basis/zstd/LICENSE" "$folder/zstd"
+    fi
+}
+
 # Copies the libraries that the tree ROOT needs into ROOT/lib, each with the licenses of its Debian package.
 bundle_libraries() {
     local root=$1 name file package licenses=$1/share/doc/fathom/licenses
-    mkdir -p "$licenses"
+    copy_licenses "$licenses"
     mapfile -t own < <(find "$root/bin" "$root/lib" -type f ! -name "*.cmake")
     needed_libraries "${own[@]}" | while read -r name file; do
         if [[ $name =~ $system_libraries ]] || [[ $file = "$root"/* ]]; then continue; fi
@@ -130,6 +141,7 @@ make_debs() {
     mkdir -p "$tree/usr/share/doc/fathom-render"
     mv "$tree/$private/share/doc/fathom"/scene* "$tree/usr/share/doc/fathom-render"
     rm -r "$tree/$private/share"
+    copy_licenses "$tree/usr/share/doc/fathom-render/licenses"
     ln -s ../lib/fathom-render/bin/fathom "$tree/usr/bin/fathom"
 
     mv "$tree/$private/include" "$dev/$private"
