@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-# `cmake --install`: the program, the library with its kernel libraries and modules, headers, and the CMake package. All
-# paths are relative, so the installed folder can be moved.
+# `cmake --install`: the program, the library with its kernel libraries and modules, headers, desktop files, and the
+# CMake package. All paths are relative, so the installed folder can be moved.
 include(CMakePackageConfigHelpers)
 set(FATHOM_PACKAGE_FOLDER ${CMAKE_INSTALL_LIBDIR}/cmake/fathom)
 
@@ -10,6 +10,9 @@ install(DIRECTORY ${PROJECT_SOURCE_DIR}/include/fathom DESTINATION ${CMAKE_INSTA
 install(FILES ${PROJECT_SOURCE_DIR}/docs/scene.schema.json ${PROJECT_SOURCE_DIR}/docs/scene-format.md
               ${PROJECT_SOURCE_DIR}/LICENSE
         DESTINATION ${CMAKE_INSTALL_DOCDIR})
+install(FILES ${PROJECT_SOURCE_DIR}/apps/desktop/fathom.desktop DESTINATION ${CMAKE_INSTALL_DATADIR}/applications)
+install(FILES ${PROJECT_SOURCE_DIR}/apps/desktop/fathom.thumbnailer DESTINATION ${CMAKE_INSTALL_DATADIR}/thumbnailers)
+install(FILES ${PROJECT_SOURCE_DIR}/apps/desktop/fathom.xml DESTINATION ${CMAKE_INSTALL_DATADIR}/mime/packages)
 
 # fathom::fathom for find_package(fathom). Libraries that fathom links are not exported.
 install(EXPORT fathom FILE fathom-targets.cmake NAMESPACE fathom:: DESTINATION ${FATHOM_PACKAGE_FOLDER})

@@ -99,7 +99,7 @@ has_documented_options() {
         echo "        docs/cli.md is missing"
         return 1
     }
-    for command in render merge info convert view submit status version; do
+    for command in render merge info convert view submit status version completion man; do
         missing+=$(build/release/bin/fathom "$command" --help | grep -oE '^ +(-[A-Za-z],)?--[a-z][a-z-]*' |
             grep -oE -- '--[a-z-]+' | sort -u | while read -r option; do
             grep -qE -- "(^|[^a-z-])$option([^a-z-]|\$)" docs/cli.md || printf ' %s %s\n' "$command" "$option"

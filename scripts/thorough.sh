@@ -1,9 +1,10 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
-# Checks that take too long for every change: sanitizers, clang-tidy, all planted bugs, many damaged files.
+# Checks that take too long for every change: sanitizers, clang-tidy, all planted bugs, many damaged files, packages in
+# minimal systems (as root).
 # docs/testing.md has the latest results.
 #   scripts/thorough.sh                 all checks: takes hours
-#   scripts/thorough.sh asan tidy       some of asan, tsan, tidy, damaged, fuzz, planted
+#   scripts/thorough.sh asan tidy       some of asan, tsan, tidy, damaged, fuzz, packages, planted
 # The last line counts passed and failed checks.
 set -uo pipefail
 here=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
@@ -51,13 +52,17 @@ run_fuzz() {
     return "$found"
 }
 
+run_packages() {
+    scripts/package_test.sh
+}
+
 run_planted() {
     scripts/planted.sh
 }
 
 install_missing "${packages_to_build[@]}" "${packages_to_test[@]}" libclang-rt-19-dev clang-tidy-19 dpkg-dev
 parts=("$@")
-[ ${#parts[@]} -gt 0 ] || parts=(asan tsan tidy damaged fuzz planted)
+[ ${#parts[@]} -gt 0 ] || parts=(asan tsan tidy damaged fuzz packages planted)
 passed=0 failed=0
 results=()
 for part in "${parts[@]}"; do

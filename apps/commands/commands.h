@@ -29,6 +29,8 @@ void add_info(CLI::App& program, Run& run);
 void add_convert(CLI::App& program, Run& run);
 void add_view(CLI::App& program, Run& run);
 void add_version(CLI::App& program, Run& run);
+void add_completion(CLI::App& program, Run& run);
+void add_man(CLI::App& program, Run& run);
 
 /// Adds all commands and the program's own help.
 void add_commands(CLI::App& program, Run& run);

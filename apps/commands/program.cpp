@@ -10,6 +10,8 @@
 #include "commands/commands.h"
 #include "distributed/ranks/environment.h"
 #include "fathom/error.h"
+#include "options/command_tables.h"
+#include "options/config_file.h"
 #include "process/streams.h"
 
 namespace fathom::cli {
@@ -40,9 +42,9 @@ std::string usage_message(const std::string& message)
     return message;
 }
 
-/// The command line's words in reverse, as CLI11 expects them. `--denoise auto` becomes `--denoise=auto`: an option
-/// with an optional value would otherwise take a following file name for it.
-std::vector<std::string> reversed_words(int argc, char** argv)
+/// The words of the command line and of its --config file in reverse, as CLI11 expects them. `--denoise auto` becomes
+/// `--denoise=auto`: an option with an optional value would otherwise take a following file name for it.
+std::vector<std::string> reversed_words(int argc, char** argv, const CLI::App& app)
 {
     std::vector<std::string> words;
     for (int i = 1; i < argc; ++i) {
@@ -51,6 +53,7 @@ std::vector<std::string> reversed_words(int argc, char** argv)
         else
             words.emplace_back(argv[i]);
     }
+    words = with_config_file(std::move(words), command_tables(app));
     std::reverse(words.begin(), words.end());
     return words;
 }
@@ -76,7 +79,7 @@ int parse_and_run(int argc, char** argv)
     Run run;
     add_commands(app, run);
     try {
-        app.parse(reversed_words(argc, argv));
+        app.parse(reversed_words(argc, argv, app));
         check_ranks(app, ranks);
         return run();
     } catch (const CLI::ParseError& error) {
@@ -116,6 +119,8 @@ void add_commands(CLI::App& program, Run& run)
     add_convert(program, run);
     add_view(program, run);
     add_version(program, run);
+    add_completion(program, run);
+    add_man(program, run);
 }
 
 int run_program(int argc, char** argv)

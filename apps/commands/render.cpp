@@ -12,6 +12,7 @@
 #include "render/series.h"
 #include "render/still.h"
 #include "render/turntable.h"
+#include "render/watch.h"
 #include "report/reporter.h"
 
 namespace fathom::cli {
@@ -30,6 +31,8 @@ constexpr CommandText render_text{
     "  fathom render scene.json --size 1920x1080 --aov albedo,normal,variance -o out.exr\n"
     "  fathom render model.glb --frames 0:119 --fps 24 -o frame.####.png\n"
     "  fathom render model.glb --turntable 36 -o view.##.png\n"
+    "  fathom render model.glb -o images/{name}.png      {name}: that of the scene; {frame}, {view}: like ####\n"
+    "  curl URL | fathom render - --format glb -o - --output-format png >model.png\n"
     "  fathom render scene.json --spp 4096 --checkpoint film.exr -o a.png      run again to continue\n"
     "  fathom render scene.json --spp 1024 --part 3/16 -o part3.exr      fathom merge joins the parts\n"
     "  mpirun -n 8 fathom render scene.json -o out.exr      one image by 8 processes (docs/clusters.md)\n"
@@ -72,22 +75,26 @@ const char* interrupt_line(const Ranks* ranks, ReportMode mode)
 }
 
 /// ranks  the ranks that this process is one of, or nullptr
-int render_scene(RenderOptions& o, Ranks* ranks, Reporter& reporter)
+/// watch  learns the files of the scene; or nullptr
+int render_scene(RenderOptions& o, Ranks* ranks, SceneWatch* watch, Reporter& reporter)
 {
+    const double start_s = watch ? seconds_since_start() : 0;
     Summary summary;
     Warnings warnings;
     const ThreadLimit limit = limit_threads(o.settings, reporter);
     std::optional<Denoiser> denoiser;
     if (!ranks || ranks->leads()) denoiser = open_denoiser(o.images, o.settings.threads, reporter);
+    if (watch) watch->begin_reading();
     LoadedScene loaded = load_for_render(o.scene, reporter, warnings);
+    if (watch) watch->set_files(loaded.description);
     check_outputs_are_no_inputs(existing_outputs(o), loaded.description);
     RenderPlan plan = make_plan(o, loaded, std::move(denoiser), ranks, reporter);
     if (!loaded.build) loaded.build = choose_tree_build(o, plan);
-    summary.load_s = seconds_since_start();
+    summary.load_s = seconds_since_start() - start_s;
 
     std::optional<EditableScene> edit;
     LitScene lit = build(o, loaded, plan, edit, reporter, warnings);
-    summary.build_s = seconds_since_start() - summary.load_s;
+    summary.build_s = seconds_since_start() - start_s - summary.load_s;
     reporter.warnings(warnings);
     if (o.only_sample) return print_sample(*o.only_sample, RenderJob(lit.scene, plan.settings));
     // The check before compiling can't know how many triangles displacement adds.
@@ -106,6 +113,7 @@ int render_as_rank(RenderOptions& o, const RankEnvironment& environment, Reporte
 {
     if (o.samples.error.goal) throw UsageError("--error: runs as one process; under mpirun, choose --spp or --time");
     if (o.only_sample) throw UsageError("--only-sample: runs as one process; leave out mpirun");
+    if (o.watches) throw UsageError("--watch: runs as one process; leave out mpirun");
     Ranks ranks(environment);
     return ranks.run(
         [&] {
@@ -118,9 +126,27 @@ int render_as_rank(RenderOptions& o, const RankEnvironment& environment, Reporte
                 // Only rank 0 writes images, so their folders need not exist elsewhere.
                 o.writes_images = false;
             }
-            return render_scene(o, &ranks, reporter);
+            return render_scene(o, &ranks, nullptr, reporter);
         },
         reporter);
+}
+
+/// Renders whenever a file of the scene changes, until an interrupt. A scene that can't be read or rendered may be half
+/// saved: its error is printed, and the next change is awaited.
+int render_and_watch(const RenderOptions& options, Reporter& reporter)
+{
+    SceneWatch watch(options.scene.file);
+    for (;;) {
+        RenderOptions o = options;
+        try {
+            if (render_scene(o, nullptr, &watch, reporter) == exit_interrupted) return exit_interrupted;
+        } catch (const Error& error) {
+            reporter.error(error.what());
+        }
+        end_on_interrupt("");
+        reporter.note(fmt::format("watching {} file{}", watch.file_count(), watch.file_count() == 1 ? "" : "s"));
+        watch.wait_for_change();
+    }
 }
 
 int run_render(RenderOptions& o, Reporter& reporter)
@@ -133,7 +159,7 @@ int run_render(RenderOptions& o, Reporter& reporter)
     check_options(o);
     if (environment.count > 1) return render_as_rank(o, environment, reporter);
     check_outputs(o);
-    return render_scene(o, nullptr, reporter);
+    return o.watches ? render_and_watch(o, reporter) : render_scene(o, nullptr, nullptr, reporter);
 }
 
 /// Runs the command for --progress json, where errors are events, too.

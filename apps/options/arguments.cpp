@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 #include <algorithm>
+#include <cctype>
 #include <charconv>
 #include <cmath>
 
@@ -79,6 +80,15 @@ Vec3d parse_vector(const std::string& text)
 {
     const std::vector<double> n = parse_numbers(text, 3);
     return {n[0], n[1], n[2]};
+}
+
+std::string parse_extension(const std::string& text)
+{
+    const std::string extension = text.substr(text.starts_with('.') ? 1 : 0);
+    const auto is_allowed = [](unsigned char c) { return std::islower(c) || std::isdigit(c); };
+    if (extension.empty() || !std::all_of(extension.begin(), extension.end(), is_allowed))
+        throw UsageError(fmt::format("expected an extension such as glb, found '{}'", text));
+    return extension;
 }
 
 Size parse_size(const std::string& text)

@@ -23,6 +23,8 @@ std::uint64_t parse_bytes(const std::string& text);
 /// `x,y,z`
 Vec3d parse_vector(const std::string& text);
 std::vector<double> parse_numbers(const std::string& text, std::size_t count);
+/// A file name's extension in lower case without the dot, which may be given: `glb`.
+std::string parse_extension(const std::string& text);
 /// `800x600`
 Size parse_size(const std::string& text);
 /// Seconds of `90`, `90s`, `1.5m`, `1h`; above 0.

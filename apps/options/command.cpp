@@ -101,7 +101,10 @@ void Command::add_flag_or_word(const OptionText& text, ValueHandler handler)
 
 void Command::add_files(const OptionText& text, std::vector<std::filesystem::path>& files)
 {
-    const auto assign = [&files](const std::vector<std::string>& names) { files.assign(names.begin(), names.end()); };
+    const auto assign = [&files](const std::vector<std::string>& names) {
+        files.clear();
+        for (const std::string& file : names) files.emplace_back(file == "-" ? "/dev/stdout" : file);
+    };
     CLI::Option& option =
         described(app_.add_option_function<std::vector<std::string>>(text.name, assign, text.help), text);
     option.expected(1)->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
@@ -110,7 +113,7 @@ void Command::add_files(const OptionText& text, std::vector<std::filesystem::pat
 
 void Command::add_positional(const std::string& name, std::filesystem::path& file, const std::string& help)
 {
-    const auto assign = [&file](const std::string& text) { file = text; };
+    const auto assign = [&file](const std::string& text) { file = text == "-" ? "/dev/stdin" : text; };
     app_.add_option_function<std::string>(name, assign, help)->required()->type_name("");
 }
 

@@ -40,9 +40,10 @@ public:
     void add_flag(const OptionText& text, bool& flag);
     /// A flag with an optional word, NAME=WORD. The handler gets "true" where no word is given.
     void add_flag_or_word(const OptionText& text, ValueHandler handler);
-    /// A repeatable option that names a file.
+    /// A repeatable option that names an output file; `-` is the standard output.
     void add_files(const OptionText& text, std::vector<std::filesystem::path>& files);
-    /// Required arguments without a name: exactly one file, or at least one.
+    /// Required arguments without a name: exactly one file, of which `-` is the standard input,
+    /// or at least one.
     void add_positional(const std::string& name, std::filesystem::path& file, const std::string& help);
     void add_positionals(const std::string& name, std::vector<std::filesystem::path>& files, const std::string& help);
 

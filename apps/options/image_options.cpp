@@ -53,11 +53,23 @@ void add_ocio_options(Command& command, ImageOptions& options)
 
 }  // namespace
 
-bool is_exr(const std::filesystem::path& file)
+bool is_exr(const ImageOptions& options, const std::filesystem::path& file)
 {
+    if (!options.format.empty()) return options.format == "exr";
     std::string extension = file.extension().string();
     for (char& c : extension) c = char(std::tolower(static_cast<unsigned char>(c)));
     return extension == ".exr";
+}
+
+void add_output_format(Command& command, ImageOptions& options)
+{
+    command.begin_group("Output");
+    command.add_value({"--output-format", "exr|png|jpg|webp|avif|hdr",
+                       "format of all images of -o, whatever their names are; -o - needs it", "by the names"},
+                      [&](const std::string& text) {
+                          static const std::vector<std::string> formats = {"exr", "png", "jpg", "webp", "avif", "hdr"};
+                          options.format = formats[std::size_t(parse_choice(text, formats))];
+                      });
 }
 
 void add_display_options(Command& command, ImageOptions& options)
@@ -95,7 +107,9 @@ void add_image_options(Command& command, ImageOptions& options, const std::strin
 {
     command.begin_group("Output");
     command.add_files({"-o,--output", "FILE",
-                       "image file to write: .exr, .png, .jpg, .webp, .avif or .hdr; can be repeated", default_output},
+                       "image file to write: .exr, .png, .jpg, .webp, .avif or .hdr; - is the standard output; can be "
+                       "repeated",
+                       default_output},
                       options.outputs);
     command.add_value({"--png-bits", "8|16", "bits per channel of PNG", "8"},
                       [&](const std::string& text) { options.png_bits = parse_choice(text, {"8", "16"}) ? 16 : 8; });
@@ -114,12 +128,14 @@ void add_image_options(Command& command, ImageOptions& options, const std::strin
 
 bool writes_exr(const ImageOptions& options)
 {
-    return std::any_of(options.outputs.begin(), options.outputs.end(), is_exr);
+    return std::any_of(options.outputs.begin(), options.outputs.end(),
+                       [&](const std::filesystem::path& file) { return is_exr(options, file); });
 }
 
 WriteOptions resolve_write_options(const ImageOptions& options, const RenderHints& hints, Reporter& reporter)
 {
     WriteOptions write;
+    write.format = options.format;
     if (options.uses_ocio) {
         if (options.tonemap) throw UsageError("--tonemap, --ocio: give one of them");
         write.display.ocio = open_ocio(options.ocio);

@@ -20,6 +20,7 @@ enum class Denoising { off, automatic, on };
 /// Options for the image files that are written: names, formats and tone mapping.
 struct ImageOptions {
     std::vector<std::filesystem::path> outputs;
+    std::string format;  ///< extension of the format of all outputs; empty: that of each name
     std::optional<double> exposure_ev, white_kelvin;
     std::optional<Tonemap> tonemap;
     OcioChoice ocio;
@@ -37,7 +38,9 @@ void add_display_options(Command& command, ImageOptions& options);
 ///
 /// default_output  what -o is without the option
 void add_image_options(Command& command, ImageOptions& options, const std::string& default_output);
-bool is_exr(const std::filesystem::path& file);
+bool is_exr(const ImageOptions& options, const std::filesystem::path& file);
+/// Adds --output-format.
+void add_output_format(Command& command, ImageOptions& options);
 bool writes_exr(const ImageOptions& options);
 
 /// Options first, then the scene's hints, then the defaults (docs/tone-mapping.md says why khronos-neutral). Reports

@@ -7,8 +7,11 @@
 #include "options/arguments.h"
 #include "render/frames.h"
 #include "render/turntable.h"
+#include "render/watch.h"
 
 namespace fathom::cli {
+
+namespace fs = std::filesystem;
 
 namespace {
 
@@ -145,6 +148,20 @@ void check_checkpoint(const RenderOptions& o)
             throw UsageError("--checkpoint: -o has the same name; the image and the checkpoint need different files");
 }
 
+/// The name of an output with {name} replaced by the scene's name, and {frame} and {view} by the digits ####.
+fs::path named_output(const fs::path& output, const RenderOptions& o)
+{
+    std::string text = output.string();
+    const auto replace = [&](const std::string& word, const std::string& by) {
+        for (std::size_t at = 0; (at = text.find(word, at)) != std::string::npos; at += by.size())
+            text.replace(at, word.size(), by);
+    };
+    replace("{name}", o.scene.file.stem().string());
+    if (!o.series.frames.empty()) replace("{frame}", "####");
+    if (o.series.turntable > 0) replace("{view}", "####");
+    return text;
+}
+
 }  // namespace
 
 void add_film_options(Command& command, FilmOptions& o)
@@ -173,7 +190,10 @@ void add_render_options(Command& command, RenderOptions& o)
     add_series_options(command, o.series);
     add_checkpoint_options(command, o.checkpoint);
     add_film_options(command, o.film);
+    add_output_format(command, o.images);
     command.add_flag({"--mergeable", "", "keep the exact sums in EXR, for `fathom merge`", ""}, o.film.mergeable);
+    command.add_flag(
+        {"--watch", "", "render again whenever the scene or a file that it uses changes, until Ctrl-C", ""}, o.watches);
     command.begin_group("Machine");
     command.add_value({"--mpi", "auto|off",
                        "under mpirun, auto: all processes render one image; off: each process renders its own", "auto"},
@@ -183,6 +203,8 @@ void add_render_options(Command& command, RenderOptions& o)
 
 void check_options(RenderOptions& o)
 {
+    for (fs::path& output : o.images.outputs) output = named_output(output, o);
+    if (o.watches) check_watch(o);
     check_frames(o);
     if (o.series.turntable > 0) check_turntable(o);
     check_samples(o.samples);

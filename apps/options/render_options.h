@@ -51,6 +51,7 @@ struct RenderOptions {
     std::optional<OnlySample> only_sample;
     bool uses_mpi = true;       ///< under mpirun, all processes render one image
     bool writes_images = true;  ///< false: another rank writes them
+    bool watches = false;       ///< renders again when a file of the scene changes
     bool quiet = false, json = false, stats = false;
 };
 

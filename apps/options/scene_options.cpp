@@ -115,8 +115,13 @@ const std::vector<std::string> bvh_quality_names = {"fast", "standard", "high", 
 void add_file_options(Command& command, SceneOptions& o)
 {
     command.add_positional("SCENE", o.file,
-                           "scene or model file: Fathom's JSON, glTF, GLB, Mitsuba XML, pbrt, OBJ, PLY, STL, ...");
+                           "scene or model file: Fathom's JSON, glTF, GLB, Mitsuba XML, pbrt, OBJ, PLY, STL, ...; - "
+                           "is the standard input");
     command.begin_group("Scene file");
+    command.add_value(
+        {"--format", "EXTENSION", "format of the file, as the extension of such files: glb, obj, stl, ...",
+         "found by its content and name"},
+        [&](const std::string& text) { o.format = parse_extension(text); });
     command.add_value(
         {"--scene", "NAME", "scene of a glTF file that has several, by name or number", "the file's choice"},
         [&](const std::string& text) { o.scene = text; });
@@ -143,6 +148,7 @@ LoadOptions load_options(const SceneOptions& options)
     LoadOptions load;
     load.scene = options.scene;
     load.variant = options.variant;
+    load.format = options.format;
     load.up_axis = options.up_axis;
     load.confine = options.confine;
     load.definitions = options.definitions;
@@ -155,6 +161,12 @@ void add_scene_options(Command& command, SceneOptions& o)
     add_animation_options(command, o);
     add_camera_options(command, o);
     add_light_options(command, o);
+    command.begin_group("Scene file");
+    command.add_value({"--config", "FILE",
+                       "read further options from this file, one `name = value` a line, such as `spp = 1024`; those of "
+                       "the command line override them",
+                       ""},
+                      [](const std::string&) {});
     command.begin_group("Machine");
     command.add_value({"--build", "fast|standard|high|compact",
                        "bounding volume hierarchy: fast builds sooner, high renders faster, compact takes a third less "

@@ -20,6 +20,7 @@ enum class GroundChoice { automatic, none, shadow, color };
 /// Options for the scene file, its lighting and the camera.
 struct SceneOptions {
     std::filesystem::path file;
+    std::string format;                              ///< extension that the file is read as; empty: its own
     std::string scene;                               ///< scene of a file with several; empty: the file's default
     std::string variant;                             ///< material variant
     std::map<std::string, std::string> definitions;  ///< parameters by name

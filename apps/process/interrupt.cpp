@@ -76,6 +76,7 @@ void install_handlers()
 void end_on_interrupt(const char* line)
 {
     interrupt_line = line;
+    has_samples_to_save = false;
     install_handlers();
 }
 

@@ -27,7 +27,9 @@ double encoding_bytes(const ImageOptions& images)
 {
     double bytes = encoding;
     for (const auto& file : images.outputs)
-        if (file.extension() == ".webp" || file.extension() == ".avif") bytes = encoding_modern;
+        if (const std::string format = images.format.empty() ? file.extension().string() : "." + images.format;
+            format == ".webp" || format == ".avif")
+            bytes = encoding_modern;
     return bytes + (images.png_bits == 16 ? 16 : 0);
 }
 

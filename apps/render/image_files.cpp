@@ -16,11 +16,12 @@ namespace {
 
 /// Writes the file to the working folder or that of temporary files, where its name is free; nothing if both fail.
 template <class Write>
-std::optional<fs::path> write_elsewhere(const fs::path& file, const Write& write)
+std::optional<fs::path> write_elsewhere(const fs::path& file, const std::string& format, const Write& write)
 {
     std::error_code error;
     for (const fs::path& folder : {fs::current_path(error), fs::temp_directory_path(error)}) {
         fs::path other = folder / file.filename();
+        if (file == "/dev/stdout") other += "." + format;
         if (folder.empty() || fs::exists(other, error) ||
             fs::equivalent(folder, fs::absolute(file).parent_path(), error))
             continue;
@@ -58,19 +59,19 @@ bool write_images(const ImageOptions& options, const Image& image, const Film* s
     const Image shown = display_image(image);
     for (const auto& file : options.outputs) {
         const auto write_to = [&](const fs::path& target) {
-            if (is_exr(file) && sums)
+            if (is_exr(options, file) && sums)
                 write_film(target, *sums, image, write);
             else
-                write_image(target, is_exr(file) ? image : shown, write);
+                write_image(target, is_exr(options, file) ? image : shown, write);
         };
         try {
             write_to(file);
             reporter.written(file.string());
-            if (write.exr_half && is_exr(file)) report_float_layers(file, image, reporter);
+            if (write.exr_half && is_exr(options, file)) report_float_layers(file, image, reporter);
         } catch (const Error& error) {
             // The render may have taken hours, so its image is saved elsewhere if possible.
             reporter.error(error.what());
-            if (const auto other = write_elsewhere(file, write_to)) reporter.written(other->string());
+            if (const auto other = write_elsewhere(file, options.format, write_to)) reporter.written(other->string());
             all_written = false;
         }
     }

@@ -85,12 +85,12 @@ void check_outputs(const RenderOptions& o, int width, int height)
     if (!o.writes_images) return;
     for (const fs::path& file : o.images.outputs) {
         if (o.series.frames.empty()) {
-            check_output(file, width, height);
+            check_output(file, width, height, o.images.format);
             continue;
         }
         // The last frame may have more digits, and thus a longer name.
-        check_output(frame_file(file, o.series.frames.front()), width, height);
-        check_output(frame_file(file, o.series.frames.back()), width, height);
+        check_output(frame_file(file, o.series.frames.front()), width, height, o.images.format);
+        check_output(frame_file(file, o.series.frames.back()), width, height, o.images.format);
     }
 }
 

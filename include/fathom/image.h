@@ -92,6 +92,7 @@ inline constexpr const char* primaries_names[] = {"rec709", "acescg"};
 
 /// Settings of write_image(). Each format uses those that apply to it.
 struct WriteOptions {
+    std::string format = {};                      ///< Format of the file, such as "png"; empty: by its extension.
     DisplayTransform display;                     ///< PNG, JPEG, WebP, AVIF: conversion to display values.
     int png_bits = 8;                             ///< Bits per channel of PNG, 8 or 16.
     Primaries exr_primaries = Primaries::rec709;  ///< Primaries that EXR colors are converted to.
@@ -106,13 +107,15 @@ struct WriteOptions {
 ///
 /// file           Name of the image file to be written. The check creates and removes a temporary file beside it.
 /// width, height  Size of the image in pixels; 0 if unknown.
+/// format         Format of the file, such as "png"; empty: by its extension.
 ///
-/// Throws Error if the extension is unknown, the format can't hold an image of this size, or no file can be created in
+/// Throws Error if the format is unknown, the format can't hold an image of this size, or no file can be created in
 /// the folder.
-FATHOM_API void check_output(const std::filesystem::path& file, int width = 0, int height = 0);
+FATHOM_API void check_output(const std::filesystem::path& file, int width = 0, int height = 0,
+                             const std::string& format = {});
 
-/// Writes an image in the format given by the extension: .exr, .png, .jpg or .jpeg, .webp, .avif or .hdr. EXR contains
-/// everything; the other formats contain the first layer.
+/// Writes an image in the format given by the options or the extension: .exr, .png, .jpg or .jpeg, .webp, .avif or
+/// .hdr. EXR contains everything; the other formats contain the first layer. `/dev/stdout` is the standard output.
 ///
 /// Colors with A are premultiplied in `image` and in EXR. They are not premultiplied in PNG, WebP and AVIF, and blended
 /// with black in JPEG and HDR. The file is written atomically: to a temporary file, which is synced and then renamed.

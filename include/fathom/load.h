@@ -36,6 +36,7 @@ private:
 struct LoadOptions {
     std::string scene;    ///< glTF: name or number of the scene to read; empty: the default scene of the file.
     std::string variant;  ///< glTF: name or number of the material variant; empty: the default materials.
+    std::string format;   ///< Extension that the file is read as, such as "glb"; empty: that of its name.
     char up_axis = 0;     ///< Axis of the file that points up, 'y' or 'z'; 0: as usual in the format. Scenes with z up
                           ///< are rotated, so that y is up in the result.
     /// Reads only files in the folder of the scene and below it, after following links; for untrusted files. By default

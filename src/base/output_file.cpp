@@ -107,6 +107,12 @@ std::optional<fs::path> followed(const fs::path& target)
 
 OutputFile::OutputFile(const fs::path& target) : name_(target.string()), target_(target)
 {
+    if (target == "/dev/stdout") {
+        is_stdout_ = nameless_ = true;
+        file_ = std::tmpfile();
+        if (!file_) fail("can't write: no temporary file", errno);
+        return;
+    }
     // Renaming over a symbolic link would replace the link, not what it points to.
     if (const auto real = followed(target)) target_ = *real;
     folder_ = target_.has_parent_path() ? target_.parent_path() : fs::path(".");
@@ -121,7 +127,12 @@ OutputFile::OutputFile(const fs::path& target) : name_(target.string()), target_
     if (fs::exists(status) && access(target_.c_str(), W_OK) != 0) fail("can't write", errno);
     if (!fs::exists(folder_, error))
         throw Error(name_, "", fmt::format("can't write: there is no folder '{}'", folder_.string()));
+    open_temporary();
+    copy_permissions();
+}
 
+void OutputFile::open_temporary()
+{
     int descriptor = -1;
 #ifdef O_TMPFILE
     // linkat() names a nameless file through /proc, which a chroot may lack.
@@ -138,7 +149,6 @@ OutputFile::OutputFile(const fs::path& target) : name_(target.string()), target_
         if (!nameless_) unlink(temporary_.c_str());
         fail("can't write", reason);
     }
-    copy_permissions();
 }
 
 /// Copies owner and permissions of the existing file. Only root can keep another owner, so failure of fchown is
@@ -203,8 +213,24 @@ void OutputFile::seek(std::uint64_t position)
     if (fseeko(file_, off_t(position), SEEK_SET) != 0) fail("can't write", errno);
 }
 
+void OutputFile::copy_to_stdout()
+{
+    if (std::fflush(file_) != 0) fail("can't write", errno);
+    std::rewind(file_);
+    std::vector<unsigned char> block(std::size_t(1) << 20);
+    while (const std::size_t size = std::fread(block.data(), 1, block.size(), file_))
+        for (std::size_t done = 0; done < size;) {
+            const ssize_t written = ::write(STDOUT_FILENO, block.data() + done, size - done);
+            if (written > 0)
+                done += std::size_t(written);
+            else if (written == 0 || errno != EINTR)
+                fail("can't write", written == 0 ? ENOSPC : errno);
+        }
+}
+
 void OutputFile::commit(const fs::path& previous)
 {
+    if (is_stdout_) return copy_to_stdout();
     // The data must be on the disk before the name: after a power failure the name then refers to a complete file. Some
     // file systems can't sync, which is no write error.
     if (std::fflush(file_) != 0) fail("can't write", errno);

@@ -10,6 +10,8 @@ namespace fathom {
 
 /// A file that appears under its name only when it is complete: commit() renames a temporary file to `target`.
 ///
+/// The target /dev/stdout is the standard output, to which commit() copies a nameless temporary file.
+///
 /// Without commit() nothing remains and an existing file stays as it was. Symbolic links in the path are followed,
 /// except links that another user put into a folder that others can write to: these are refused. The temporary name and
 /// the name of the previous file are never written through a link. Every function throws Error naming `target`.
@@ -39,6 +41,8 @@ public:
     void commit(const std::filesystem::path& previous = {});
 
 private:
+    void open_temporary();
+    void copy_to_stdout();
     void rename_keeping_earlier(const std::filesystem::path& previous) const;
     void sync_folder() const;
     void copy_permissions() const;
@@ -49,6 +53,7 @@ private:
     std::filesystem::path folder_;
     std::filesystem::path temporary_;
     bool nameless_ = false;  ///< opened with O_TMPFILE: has no name yet and vanishes if the program is killed
+    bool is_stdout_ = false;
     std::FILE* file_ = nullptr;
 };
 

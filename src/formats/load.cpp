@@ -89,7 +89,8 @@ SceneDescription load_file(const std::filesystem::path& file, const LoadOptions&
     const OpenFile open(context, file);
     InputFile input = context.open(file);
     if (input.head().empty()) throw Error(file.string(), "", "the file is empty");
-    const SourceFile source{file, lower_extension(file), input, options};
+    const bool is_named = options.format.empty() || context.open_files.size() > 1;
+    const SourceFile source{file, is_named ? lower_extension(file) : "." + options.format, input, options};
     const auto* const found = std::find_if(std::begin(importers), std::end(importers),
                                            [&](const Importer* i) { return i->recognizes(source); });
     if (found == std::end(importers)) throw Error(file.string(), "", "this file format is not supported");

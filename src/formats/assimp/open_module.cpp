@@ -61,7 +61,9 @@ SceneDescription read_with_assimp(const std::filesystem::path& file, const LoadO
     const std::string name = file.string();
     std::error_code error;
     if (!std::filesystem::is_regular_file(file, error))
-        throw Error(name, "", "its format can't be detected from the content: give a file whose name has an extension");
+        throw Error(
+            name, "",
+            "its format can't be detected from the content: give a file whose name has an extension, or --format");
     std::string why;
     void* const module = open_module(why);
     const auto read = module ? reinterpret_cast<AssimpRead>(dlsym(module, assimp_read_symbol)) : nullptr;

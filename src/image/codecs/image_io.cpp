@@ -23,9 +23,10 @@ namespace {
 
 enum class Format { exr, png, jpeg, webp, avif, hdr };
 
-Format output_format(const fs::path& file)
+/// format  overrides the extension of the file if not empty
+Format output_format(const fs::path& file, const std::string& format)
 {
-    std::string extension = file.extension().string();
+    std::string extension = format.empty() ? file.extension().string() : "." + format;
     for (char& c : extension) c = char(std::tolower(static_cast<unsigned char>(c)));
     if (extension == ".exr") return Format::exr;
     if (extension == ".png") return Format::png;
@@ -153,9 +154,9 @@ Image make_image(int width, int height, int channels)
     return image;
 }
 
-void check_output(const fs::path& file, int width, int height)
+void check_output(const fs::path& file, int width, int height, const std::string& format_name)
 {
-    const Format format = output_format(file);
+    const Format format = output_format(file, format_name);
     check_format_size(file, format, width, height);
     if (format == Format::avif) avif_library();
     // Only an attempt to write shows whether it is possible: permissions, read-only file systems and quotas all matter.
@@ -164,7 +165,7 @@ void check_output(const fs::path& file, int width, int height)
 
 void write_image(const fs::path& file, const Image& image, const WriteOptions& options)
 {
-    const Format format = output_format(file);
+    const Format format = output_format(file, options.format);
     check_consistent(file, image);
     check_format_size(file, format, image.width, image.height);
     try {

@@ -168,9 +168,7 @@ std::shared_ptr<const OcioView> open_ocio(const OcioChoice& choice)
 
 std::shared_ptr<const OcioView> open_ocio(const OcioChoice&)
 {
-    throw Error(
-        "", "",
-        "this build has no OpenColorIO: install it (libopencolorio-dev on Debian and Ubuntu), then build again");
+    throw Error("", "", "this build has no OpenColorIO: build Fathom from source with libopencolorio-dev installed");
 }
 
 #endif

@@ -11,7 +11,7 @@ from harness import PROGRAM, CommandLine, run_tests
 # A value for each option of `fathom submit` that affects the image, by the command that gets it: the tasks that render
 # parts, or the job that merges them. None: an option without a value.
 OF_TASKS = {
-    "--scene": "s", "--variant": "v", "--up-axis": "y", "--define": "a=b", "--confine": None, "--memory": "2G", "--nice": "3",
+    "--format": "json", "--scene": "s", "--variant": "v", "--up-axis": "y", "--define": "a=b", "--confine": None, "--memory": "2G", "--nice": "3",
     "--animation": "all", "--at": "1", "--size": "40x30", "--camera": "side", "--look-from": "1,2,3", "--look-at": "4,5,6",
     "--up": "1,0,0", "--fov": "30", "--orbit": "10,20", "--view": "front", "--env": "sky.hdr", "--env-rotate": "15",
     "--env-strength": "2", "--light": "file", "--sun-elevation": "30", "--sun-azimuth": "40", "--sun-direction": "1,2,3",
@@ -28,7 +28,7 @@ OF_MERGE = {
 # Flags with an optional word: each form, and the words that the merge gets.
 WORDS_OF_FLAGS = {"--denoise": ("--denoise", "--denoise=auto")}
 OWN = {"--help", "--output", "--spp", "--slurm", "--parts", "--partition", "--time", "--account", "--cpus-per-task", "--sbatch",
-       "--fix", "--dry-run", "--unchecked", "--quiet"}
+       "--config", "--fix", "--dry-run", "--unchecked", "--quiet"}
 # Options that must be given with other options.
 TOGETHER = {"--ocio-display": ["--ocio", "ocio://default"], "--ocio-view": ["--ocio", "ocio://default"],
             "--ocio-look": ["--ocio", "ocio://default"], "--ocio-input": ["--ocio", "ocio://default"],

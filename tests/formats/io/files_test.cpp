@@ -180,7 +180,7 @@ TEST(StandardInput, IsReadWhereTheContentTellsTheFormat)
     EXPECT_EQ(loaded_from_pipe("\n {\"fathom\": 1, \"scene\": [{\"sphere\": {}}]}"), "loaded");
     EXPECT_EQ(loaded_from_pipe(R"({"asset": {"version": "2.0"}, )" + gltf_end), "loaded");
     EXPECT_EQ(loaded_from_pipe("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"),
-              "its format can't be detected from the content: give a file whose name has an extension");
+              "its format can't be detected from the content: give a file whose name has an extension, or --format");
 }
 
 }  // namespace

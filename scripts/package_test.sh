@@ -1,0 +1,154 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: Apache-2.0
+# Runs the commands of docs/install.md for the tarball and the Debian packages in minimal systems, and checks the packages.
+#   scripts/package_test.sh [FOLDER]     FOLDER: packages that scripts/package.sh made; default: makes them
+# FATHOM_ROOT names a folder with a minimal Debian 12 to copy instead of making one by debootstrap.
+# Needs root, debootstrap and a source of Debian packages (the first one of this machine's apt); takes some minutes.
+set -euo pipefail
+here=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
+cd "$here"
+# shellcheck source=scripts/setup.sh
+source scripts/setup.sh
+install_missing debootstrap lintian
+work=$(mktemp -d)
+chmod 755 "$work"
+cleanup() {
+    umount "$work/tarball/proc" "$work/deb/proc" 2>/dev/null || true
+    # Never deletes through a mount that still exists.
+    if ! grep -q " $work/" /proc/mounts; then rm -rf --one-file-system "$work"; fi
+}
+trap cleanup EXIT
+packages=${1:-$work/packages}
+[ $# -gt 0 ] || scripts/package.sh all "$packages"
+packages=$(realpath "$packages")
+failures=0
+
+# check TEXT COMMAND...: prints whether the command succeeds.
+check() {
+    local text=$1
+    shift
+    if "$@" >"$work/check.log" 2>&1; then
+        echo "ok      $text"
+    else
+        echo "FAILED  $text"
+        sed 's/^/        /' "$work/check.log"
+        failures=$((failures + 1))
+    fi
+}
+
+# Prints the commands of a section of docs/install.md, which are indented.
+commands_of() {
+    awk -v heading="## $1" '/^## / { inside = $0 == heading } inside && /^    / { print substr($0, 5) }' docs/install.md
+}
+
+# A copy of a minimal Debian 12, which is made once; with a folder /try in it.
+new_root() {
+    local root=$work/$1 minimal=${FATHOM_ROOT:-$work/bookworm} mirror
+    if [ ! -d "$minimal" ]; then
+        # shellcheck disable=SC2016  # $(REPO_URI) is for apt-get
+        mirror=$(apt-get indextargets --format '$(REPO_URI)' | head -n 1)
+        debootstrap --variant=minbase bookworm "$minimal" "$mirror" >"$work/debootstrap.log" || fail "debootstrap (see $work/debootstrap.log)"
+    fi
+    cp -a "$minimal" "$root"
+    cp /etc/resolv.conf "$root/etc/resolv.conf"
+    mount -t proc proc "$root/proc"
+    mkdir "$root/try"
+    cp "$work/model.glb" "$root/try"
+}
+
+# inside ROOT: runs the commands of standard input in a root's folder /try; stops at the first that fails.
+inside() {
+    chroot "$work/$1" /usr/bin/env -i PATH=/usr/local/sbin:/usr/local/bin:/usr/sbin:/usr/bin:/sbin:/bin HOME=/root LC_ALL=C \
+        DEBIAN_FRONTEND=noninteractive bash -ec 'cd /try; source /dev/stdin'
+}
+
+is_png() { [ "$(head -c 4 "$1" | tail -c 3)" = PNG ] && [ "$(stat -c %s "$1")" -gt 5000 ]; }
+
+is_small() { [ "$(stat -c %s "$1")" -le "$2" ]; }
+
+# The newest version of glibc that any file of an unpacked tarball needs.
+needed_glibc() {
+    find "$1" -type f \( -name fathom -o -name '*.so*' \) -exec objdump -T {} + 2>/dev/null | grep -oE 'GLIBC_[0-9.]+' | sort -Vu | tail -n 1
+}
+
+test_tarball() {
+    local tarball
+    tarball=$(echo "$packages"/fathom-*-linux-x86_64.tar.gz)
+    echo "        $(basename "$tarball"): $(stat -c %s "$tarball") bytes"
+    check "the tarball has at most 15 MB" is_small "$tarball" 15000000
+    new_root tarball
+    cp "$tarball" "$work/tarball/try"
+    check "the tarball's commands of docs/install.md work" inside tarball < <(echo 'mkdir -p /usr/local/share/man/man1'; commands_of Tarball)
+    check "the tarball's program wrote an image" is_png "$work/tarball/try/model.png"
+    check "the unpacked folder can be moved" inside tarball <<<'mv fathom-0.1.0 "/opt/other name"; rm model.png
+        "/opt/other name/bin/fathom" render model.glb --size 99x77 --spp 4; test -s model.png'
+    check "no library is missing" inside tarball <<<'! ldd "/opt/other name/bin/fathom" "/opt/other name"/lib/libfathom.so.0 | grep "not found"'
+    check "the fastest kernel is used" inside tarball <<<'"/opt/other name/bin/fathom" version | grep "^kernel: .*the best that this machine supports"'
+    check "a missing library of the window is one error" inside tarball <<<'"/opt/other name/bin/fathom" view model.glb 2>&1 | grep "can.t be loaded: lib.*No such file"'
+    tar xzf "$tarball" -C "$work"
+    check "glibc 2.35 is enough (needed: $(needed_glibc "$work/fathom-0.1.0"))" test "$(needed_glibc "$work/fathom-0.1.0")" = GLIBC_2.35
+}
+
+# Runs the thumbnailer's command as a file manager does, and checks image and time.
+test_thumbnailer() {
+    local command
+    command=$(sed -n 's/^Exec=//p' "$work/deb/usr/share/thumbnailers/fathom.thumbnailer")
+    command=${command//%s/256} command=${command//%i//try/large.ply} command=${command//%o//tmp/thumbnail}
+    cp "$work/large.ply" "$work/deb/try"
+    local begin time ms=1000000
+    for _ in 1 2 3 4 5; do  # the first reads libraries from the disk; on a busy machine, the quickest counts
+        begin=${EPOCHREALTIME/./}
+        inside deb <<<"$command"
+        time=$(((${EPOCHREALTIME/./} - begin) / 1000))
+        if [ "$time" -lt "$ms" ]; then ms=$time; fi
+    done
+    echo "thumbnail of $(stat -c %s "$work/large.ply") bytes: $ms ms"
+    is_png "$work/deb/tmp/thumbnail" && [ "$ms" -le 1000 ]
+}
+
+# Compiles an example against both packages, unpacked in a folder.
+test_dev() {
+    for package in "$packages"/*.deb; do dpkg-deb -x "$package" "$work/unpacked"; done
+    cmake -S examples/first_image -B "$work/example" -DCMAKE_PREFIX_PATH="$work/unpacked/usr" && cmake --build "$work/example" &&
+        "$work/example/first_image" "$work/first.png"
+}
+
+test_debs() {
+    local lint
+    lint=$(lintian --no-tag-display-limit --fail-on none "$packages"/*.deb)
+    check "lintian reports no errors" test -z "$(grep '^E:' <<<"$lint")"
+    grep '^[EW]:' <<<"$lint" | sed 's/^/        /' || true
+    new_root deb
+    cp "$packages"/*.deb "$work/deb/try"
+    check "the Debian packages' commands of docs/install.md work" inside deb < <(commands_of "Debian package" | sed 's/install --yes/& --no-install-recommends/')
+    check "the package's program wrote an image" is_png "$work/deb/try/model.png"
+    check "the manual page is installed" inside deb <<<'zcat /usr/share/man/man1/fathom.1.gz | grep -q "fathom render"'
+    check "a thumbnail of 256 pixels takes at most a second" test_thumbnailer
+    sed 's/^/        /' "$work/check.log"
+    check "a program finds the library by CMake" test_dev
+    check "the package can be removed" inside deb <<<'apt-get remove --yes fathom-render; ! command -v fathom; ! test -e /usr/lib/fathom-render/lib'
+}
+
+tar xzf "$packages"/fathom-*-linux-x86_64.tar.gz -C "$work"
+program=$work/fathom-0.1.0/bin/fathom
+printf 'v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n' >"$work/model.obj"
+"$program" convert "$work/model.obj" "$work/model.glb" >/dev/null 2>&1
+# A binary PLY of 10 MB: a grid of 500 x 500 vertices, rounded to a bump.
+python3 - "$work/large.ply" <<'PYTHON'
+import math, struct, sys
+n = 512
+with open(sys.argv[1], "wb") as file:
+    file.write(f"ply\nformat binary_little_endian 1.0\nelement vertex {n * n}\nproperty float x\nproperty float y\nproperty float z\n"
+               f"element face {2 * (n - 1) ** 2}\nproperty list uchar int vertex_indices\nend_header\n".encode())
+    for i in range(n * n):
+        x, y = i % n / n - 0.5, i // n / n - 0.5
+        file.write(struct.pack("<3f", x, 0.3 * math.cos(20 * math.hypot(x, y)), y))
+    for i in range((n - 1) ** 2):
+        a = i // (n - 1) * n + i % (n - 1)
+        file.write(struct.pack("<B3iB3i", 3, a, a + n, a + 1, 3, a + 1, a + n, a + n + 1))
+PYTHON
+rm -r "$work/fathom-0.1.0"
+test_tarball
+test_debs
+[ "$failures" -eq 0 ] || fail "package_test: $failures failed"
+echo "packages: passed"
