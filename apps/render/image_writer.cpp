@@ -99,13 +99,18 @@ ImageWriter::ImageWriter(const RenderPlan& plan, const ImageOptions& files, Repo
 {
 }
 
-bool ImageWriter::write(const Film& film, const Summary& summary)
+Image ImageWriter::image(const Film& film, const Summary& summary) const
 {
     Image image = film.image(plan_.settings.alpha, plan_.film.aov_variance);
     if (plan_.film.aov_samples) image.layers.push_back(sample_count_layer(film));
     image.attributes = image_attributes(plan_, film, summary);
     if (plan_.denoiser) add_denoised(image, *plan_.denoiser, plan_.film.aovs);
-    return write_images(files_, image, plan_.film.mergeable ? &film : nullptr, plan_.write, reporter_);
+    return image;
+}
+
+bool ImageWriter::write(const Film& film, const Summary& summary)
+{
+    return write_images(files_, image(film, summary), plan_.film.mergeable ? &film : nullptr, plan_.write, reporter_);
 }
 
 std::map<std::string, std::string> ImageWriter::checkpoint_attributes(const Film& film, const Summary& summary,

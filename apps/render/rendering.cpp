@@ -5,12 +5,12 @@
 
 #include "commands/commands.h"
 #include "options/sample_plan.h"
-#include "process/interrupt.h"
 
 namespace fathom::cli {
 
-Rendering::Rendering(const RenderJob& job, std::optional<double> time_s, Reporter& reporter)
-    : job_(job), time_s_(time_s), reporter_(reporter), start_s_(seconds_since_start())
+Rendering::Rendering(const RenderJob& job, std::optional<double> time_s, const std::atomic<bool>& cancel,
+                     Reporter& reporter)
+    : job_(job), time_s_(time_s), cancel_(cancel), reporter_(reporter), start_s_(seconds_since_start())
 {
     const RenderSettings& settings = job.settings();
     const Crop crop = settings.rendered_pixels();
@@ -35,7 +35,7 @@ void Rendering::render_range(Film& film, SampleRange range, std::uint64_t total)
         report(p, total);
         after_pass_(so_far);
     };
-    was_interrupted = !render(job_, range, film, &interrupted(), on_pass);
+    was_interrupted = !render(job_, range, film, &cancel_, on_pass);
     done_ += was_interrupted ? last.samples_done : pixels_ * (range.second - range.first);
     costs += last.costs;
     report({}, total, !was_interrupted);

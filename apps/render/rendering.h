@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include <atomic>
 #include <functional>
 #include <optional>
 #include <vector>
@@ -12,7 +13,8 @@ namespace fathom::cli {
 class Rendering {
 public:
     /// time_s  limit from the program's start on; none: all samples are rendered
-    Rendering(const RenderJob& job, std::optional<double> time_s, Reporter& reporter);
+    /// cancel  rendering stops soon after it becomes true
+    Rendering(const RenderJob& job, std::optional<double> time_s, const std::atomic<bool>& cancel, Reporter& reporter);
 
     /// Renders the samples of `wanted` that the film does not have yet.
     ///
@@ -32,6 +34,7 @@ private:
 
     const RenderJob& job_;
     std::optional<double> time_s_;
+    const std::atomic<bool>& cancel_;
     Reporter& reporter_;
     std::function<void(const Film&)> after_pass_;
     double start_s_;

@@ -20,7 +20,7 @@ int render_image(const RenderPlan& plan, const ImageOptions& files, const Render
     const std::uint64_t samples_before = film.samples_per_pixel();
 
     ImageWriter images(plan, files, reporter);
-    Rendering rendering(job, plan.samples.time_s, reporter);
+    Rendering rendering(job, plan.samples.time_s, interrupted(), reporter);
     const double start_s = seconds_since_start();
     const auto save = [&](const Film& now) {
         const double per_s = double(now.samples_per_pixel() - samples_before) / (seconds_since_start() - start_s);
