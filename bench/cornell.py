@@ -14,26 +14,24 @@ from pathlib import Path
 import machine
 
 ROOT = Path(__file__).resolve().parent.parent
-LOADER = "/lib64/ld-linux-x86-64.so.2"
 SAMPLES = 800 * 600 * 64
 
 
-def fathom_command(program, scene, spp, threads, level, out):
-    command = [str(program), "render", str(ROOT / "scenes" / scene), "--spp", str(spp), "--threads", str(threads), "--filter",
+def fathom_command(program, scene, spp, threads, out):
+    return [str(program), "render", str(ROOT / "scenes" / scene), "--spp", str(spp), "--threads", str(threads), "--filter",
                "box", "--max-depth", "50", "--roulette-depth", "5", "--aov", "variance", "-q", "-o", out]
-    return command if level is None else [LOADER, "--glibc-hwcaps-mask", level, *command]
 
 
-def seconds(command):
+def seconds(command, kernel):
     start = time.perf_counter()
-    subprocess.run(command, check=True, capture_output=True)
+    subprocess.run(command, check=True, capture_output=True, env=machine.environment_of(kernel))
     return time.perf_counter() - start
 
 
 def fathom_rate(*arguments):
-    program, scene, threads, level, out = arguments
-    few = seconds(fathom_command(program, scene, 2, threads, level, out))
-    many = seconds(fathom_command(program, scene, 66, threads, level, out))
+    program, scene, threads, kernel, out = arguments
+    few = seconds(fathom_command(program, scene, 2, threads, out), kernel)
+    many = seconds(fathom_command(program, scene, 66, threads, out), kernel)
     return SAMPLES / (many - few) / 1e6
 
 
@@ -50,12 +48,13 @@ def main():
     parser.add_argument("--rounds", type=int, default=5)
     parser.add_argument("--threads", type=int, default=2)
     args = parser.parse_args()
-    cases = [(scene, level) for scene in ["cornell-box.json", "cornell-box-triangles.json"] for level in ["x86-64-v4", "x86-64-v3"]]
+    kernels = [kernel for kernel in machine.kernels_of(args.fathom) if kernel != "base"]
+    cases = [(scene, kernel) for scene in ["cornell-box.json", "cornell-box-triangles.json"] for kernel in kernels]
     names = {}
-    for level in ["x86-64-v4", "x86-64-v3"]:
-        version = subprocess.run([LOADER, "--glibc-hwcaps-mask", level, str(args.fathom), "version"], check=True,
-                                 capture_output=True, text=True).stdout
-        names[level] = version.splitlines()[1].split(":")[1].split(",")[0].strip()
+    for kernel in kernels:
+        version = subprocess.run([str(args.fathom), "version"], check=True, capture_output=True, text=True,
+                                 env=machine.environment_of(kernel)).stdout
+        names[kernel] = version.splitlines()[1].split(":")[1].split(",")[0].strip()
     ours = {case: [] for case in cases}
     theirs, ratios = [], {case: [] for case in cases}
     with tempfile.TemporaryDirectory() as folder:
@@ -72,8 +71,8 @@ def main():
     median = lambda values: round(statistics.median(values), 3) if values else None
     print(json.dumps({
         "machine": machine.processor(), "threads": args.threads, "rounds": args.rounds, "mitsuba": median(theirs),
-        "cases": [{"scene": scene, "isa": names[level], "million_samples_per_s": median(ours[scene, level]),
-                   "ratio": median(ratios[scene, level])} for scene, level in cases],
+        "cases": [{"scene": scene, "isa": names[kernel], "million_samples_per_s": median(ours[scene, kernel]),
+                   "ratio": median(ratios[scene, kernel])} for scene, kernel in cases],
         "two_threads_over_one": median([b / a for a, b in zip(one, two)]),
     }, indent=1))
 

@@ -13,18 +13,18 @@ samples, for the 62 samples between, scaled to 64. relMSE: mean of (I - R)^2 / (
 import argparse, json, statistics, subprocess, sys, tempfile, time
 from pathlib import Path
 
+import machine
+
 ROOT = Path(__file__).resolve().parent.parent
 SAMPLERS = ["independent", "stratified", "multijitter"]
 SPP = 64
 
 
-def fathom(program, out, spp, seed, threads, level=None):
+def fathom(program, out, spp, seed, threads, kernel=None):
     command = [str(program), "render", str(ROOT / "scenes/cornell-box.json"), "--spp", str(spp), "--seed", str(seed), "--filter",
                "box", "--max-depth", "50", "--roulette-depth", "5", "--threads", str(threads), "-q", "-o", str(out)]
-    if level:
-        command = ["/lib64/ld-linux-x86-64.so.2", "--glibc-hwcaps-mask", level, *command]
     start = time.perf_counter()
-    subprocess.run(command, check=True)
+    subprocess.run(command, check=True, env=machine.environment_of(kernel))
     return time.perf_counter() - start
 
 
@@ -59,10 +59,10 @@ def main():
             np.array(mi.render(scene, spp=1, seed=1))
         results = {}
         for round in range(args.rounds):
-            for level in ["x86-64-v4", "x86-64-v3"]:
-                few = fathom(args.fathom, out, 2, round, args.threads, level)
-                seconds = (fathom(args.fathom, out, SPP, round, args.threads, level) - few) * SPP / (SPP - 2)
-                results.setdefault("fathom " + level, []).append((relmse(read(out)), seconds))
+            for kernel in machine.kernels_of(args.fathom)[:2]:
+                few = fathom(args.fathom, out, 2, round, args.threads, kernel)
+                seconds = (fathom(args.fathom, out, SPP, round, args.threads, kernel) - few) * SPP / (SPP - 2)
+                results.setdefault("fathom " + kernel, []).append((relmse(read(out)), seconds))
             for sampler, scene in scenes.items():
                 start = time.perf_counter()
                 image = np.array(mi.render(scene, spp=SPP, seed=100 + round), dtype="f8")

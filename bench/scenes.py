@@ -30,9 +30,9 @@ def options_of(twin):
 
 
 def without_avx512(folder):
-    """Restricts child processes to AVX2 where the loader chooses, by a library written into a folder; returns the
-    environment variables that Mitsuba needs for it."""
-    os.environ["GLIBC_TUNABLES"] = "glibc.cpu.hwcaps=-AVX512F,-AVX512VL,-AVX512BW,-AVX512CD,-AVX512DQ"
+    """Restricts Fathom to AVX2 by a variable, and Mitsuba by a library written into a folder; returns the environment
+    variables that Mitsuba needs for it."""
+    os.environ["FATHOM_KERNEL"] = "avx2"
     library = Path(folder) / "mitsuba_avx2.so"
     subprocess.run(["cc", "-shared", "-fPIC", "-O1", "-o", str(library), str(ROOT / "bench/mitsuba_avx2.c")], check=True)
     return {"LD_PRELOAD": str(library)}

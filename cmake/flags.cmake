@@ -41,7 +41,7 @@ target_include_directories(fathom_flags INTERFACE ${PROJECT_SOURCE_DIR}/include 
 add_library(fathom_float INTERFACE)
 target_compile_options(fathom_float INTERFACE -ffp-contract=off -fno-math-errno -fno-trapping-math)
 
-# Instruction sets of the kernel library; the dynamic loader selects one.
+# Instruction sets of the kernel libraries, one of which libfathom opens.
 set(FATHOM_ISA_FLAGS_base "")
 set(FATHOM_ISA_FLAGS_x86-64-v3 -march=x86-64-v3)
 # Compilers prefer 256-bit registers for code that they vectorize, unless 512 bits are requested.

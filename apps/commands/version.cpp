@@ -22,6 +22,8 @@ int run_version()
 {
     write_stdout(fmt::format("fathom {}\n", FATHOM_VERSION));
     write_stdout(fmt::format("SIMD: {}, {} lane{}\n", simd_name(), simd_width(), simd_width() == 1 ? "" : "s"));
+    const KernelChoice kernel = kernel_choice();
+    write_stdout(fmt::format("kernel: {} ({})\n", kernel.name, kernel.reason));
     write_stdout(fmt::format("libraries: {}, CLI11 {}, fmt {}.{}.{}, nlohmann-json {}.{}.{}\n",
                              fmt::join(image_libraries(), ", "), CLI11_VERSION, FMT_VERSION / 10000,
                              FMT_VERSION / 100 % 100, FMT_VERSION % 100, NLOHMANN_JSON_VERSION_MAJOR,
@@ -38,7 +40,7 @@ int run_version()
 
 void add_version(CLI::App& program, Run& run)
 {
-    Command command(program, {"version", "Print the version, the SIMD width in use, libraries and modules",
+    Command command(program, {"version", "Print the version, the kernel in use and why, libraries and modules",
                               "Example:\n  fathom version\n\nExit codes: 0 success; 2 wrong usage."});
     command.set_run(run, run_version);
 }

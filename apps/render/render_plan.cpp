@@ -157,8 +157,7 @@ void announce_plan(const RenderPlan& plan, Reporter& reporter)
                                   plan.samples.part ? "--part" : "--samples"));
     if (plan.settings.clamp_indirect)
         reporter.note(fmt::format("biased: indirect light is clamped at {:g}", *plan.settings.clamp_indirect));
-    if (simd_width() == 1)
-        reporter.note("this machine has neither AVX2 nor AVX-512: the kernel is one lane wide, and slow");
+    if (const std::string warning = kernel_choice().warning; !warning.empty()) reporter.note(warning);
 }
 
 }  // namespace fathom::cli

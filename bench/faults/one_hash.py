@@ -14,42 +14,42 @@ import sys
 import tempfile
 
 SAMPLES = 48
-LEVELS = ["none", "x86-64-v3", "x86-64-v4"]  # "none" matches no library folder, so the loader takes the base library
-LOADER = "/lib64/ld-linux-x86-64.so.2"
+KERNELS = ["base", "avx2", "avx512"]  # values of FATHOM_KERNEL
 OPTIONS = ["--size", "96x64", "--aov", "albedo,normal,depth,position,instance,material,variance", "--guiding", "on", "-q"]
 
 
-def run(*words):
-    result = subprocess.run([str(word) for word in words], capture_output=True, text=True)
+def run(*words, kernel=None):
+    environment = {**os.environ, "FATHOM_KERNEL": kernel} if kernel else None
+    result = subprocess.run([str(word) for word in words], capture_output=True, text=True, env=environment)
     if result.returncode != 0:
         sys.exit(f"failed: {' '.join(map(str, words))}\n{result.stderr}")
     return result.stdout
 
 
-def kernels(program):
-    """Commands of the program by instruction set."""
-    found = {}
-    for level in LEVELS:
-        command = [LOADER, "--glibc-hwcaps-mask", level, program]
-        found.setdefault(run(*command, "version").splitlines()[1].strip(), command)
-    return found
+def kernels_of(program):
+    """Kernels that are built and that this machine supports."""
+    def runs(kernel):
+        environment = {**os.environ, "FATHOM_KERNEL": kernel}
+        return subprocess.run([program, "version"], capture_output=True, env=environment).returncode == 0
+    return [kernel for kernel in KERNELS if runs(kernel)]
 
 
 def pictures_of(program, scene, folder):
     """Description of a run and the file that it wrote."""
     def file(name):
         return os.path.join(folder, name + ".exr")
-    for kernel, command in kernels(program).items():
+    kernels = kernels_of(program)
+    for kernel in kernels:
         for threads in (1, 2, 3, 7, 64):
-            out = file(f"{len(kernel)}-{threads}")
-            run(*command, "render", scene, *OPTIONS, "--spp", SAMPLES, "--threads", threads, "-o", out)
+            out = file(f"{kernel}-{threads}")
+            run(program, "render", scene, *OPTIONS, "--spp", SAMPLES, "--threads", threads, "-o", out, kernel=kernel)
             yield f"{kernel}, {threads} threads", out
     for parts in (1, 3, 16):
         names = [file(f"part-{k}") for k in range(1, parts + 1)]
-        # Every second part uses the base library, as in a mix of machines.
-        commands = list(kernels(program).values())
+        # Parts take turns at the kernels, as in a mix of machines.
         for k, name in enumerate(names, 1):
-            run(*commands[k % len(commands)], "render", scene, *OPTIONS, "--spp", SAMPLES, "--part", f"{k}/{parts}", "-o", name)
+            run(program, "render", scene, *OPTIONS, "--spp", SAMPLES, "--part", f"{k}/{parts}", "-o", name,
+                kernel=kernels[k % len(kernels)])
         run(program, "merge", *reversed(names), "-o", file(f"merged-{parts}"))
         yield f"{parts} parts, merged", file(f"merged-{parts}")
     for runs in (1, 2, 6):

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <functional>
 #include <optional>
+#include <string>
 
 #include "fathom/api.h"
 #include "fathom/costs.h"
@@ -71,10 +72,19 @@ FATHOM_API std::optional<LightTracingTrial> try_light_tracing(const RenderJob& j
 /// It is meant for debugging. Throws Error if the pixel is not in the image or the index is not below max_samples.
 FATHOM_API Color render_sample(const RenderJob& job, int x, int y, std::uint64_t sample_index);
 
-/// Returns the number of lanes of the kernel that the dynamic loader chose for this machine: 32 (AVX-512), 16 (AVX2) or
-/// 1.
+/// Returns the number of lanes of the kernel in use: 32 (AVX-512), 16 (AVX2) or 1. This function and the next two throw
+/// Error if there is no usable kernel library.
 FATHOM_API int simd_width();
 /// Returns the name of the instruction set of the kernel in use: "AVX-512", "AVX2" or "base".
 FATHOM_API const char* simd_name();
+
+/// The kernel library in use. It is selected once per process, when it is first needed: the best one that the processor
+/// and the operating system support, or the one that the environment variable FATHOM_KERNEL names.
+struct KernelChoice {
+    std::string name;     ///< "avx512", "avx2" or "base"
+    std::string reason;   ///< why it was selected
+    std::string warning;  ///< for users, if this machine gets a kernel without AVX2 unrequested; otherwise empty
+};
+FATHOM_API KernelChoice kernel_choice();
 
 }  // namespace fathom

@@ -132,19 +132,31 @@ struct KernelCounters {
 };
 
 /// Builds the acceleration structure and the derived tables of a scene. level: quality of the BVH.
-FATHOM_API std::unique_ptr<KernelScene> make_kernel_scene(std::shared_ptr<const SceneTables> tables,
-                                                          BvhQuality level = BvhQuality::standard);
+std::unique_ptr<KernelScene> make_kernel_scene(std::shared_ptr<const SceneTables> tables,
+                                               BvhQuality level = BvhQuality::standard);
 /// Renders a job and adds its samples to `sums`, indexed by the position of the pixel in job.pixels.
-FATHOM_API void render_job(const KernelScene& scene, const CameraRecord& camera, const KernelSettings& settings,
-                           const KernelJob& job, TileSums& sums, KernelCounters& counters);
+void render_job(const KernelScene& scene, const CameraRecord& camera, const KernelSettings& settings,
+                const KernelJob& job, TileSums& sums, KernelCounters& counters);
 /// Traces light paths, connects their vertices to the camera, and appends what they bring to `results`.
-FATHOM_API void trace_light_paths(const KernelScene& scene, const CameraRecord& camera, const KernelSettings& settings,
-                                  const LightPathJob& job, LightPathResults& results, KernelCounters& counters);
+void trace_light_paths(const KernelScene& scene, const CameraRecord& camera, const KernelSettings& settings,
+                       const LightPathJob& job, LightPathResults& results, KernelCounters& counters);
 /// Evaluates one channel of a texture at `count` points by the code that shading uses.
-FATHOM_API void look_up_texture(const ShadingTables& tables, std::uint32_t texture, std::uint32_t channel,
-                                const KernelTexturePoint* points, std::size_t count, float* values);
+void look_up_texture(const ShadingTables& tables, std::uint32_t texture, std::uint32_t channel,
+                     const KernelTexturePoint* points, std::size_t count, float* values);
 /// Number of lanes, and name of the instruction set.
-FATHOM_API int kernel_lanes();
-FATHOM_API const char* kernel_name();
+int kernel_lanes();
+const char* kernel_name();
+
+/// Functions of a kernel library, which it exports as `fathom_kernel`. libfathom has functions with the names and types
+/// above that call these (src/kernel/library).
+struct KernelFunctions {
+    const char* version;  ///< version of Fathom
+    decltype(fathom::make_kernel_scene)* make_kernel_scene;
+    decltype(fathom::render_job)* render_job;
+    decltype(fathom::trace_light_paths)* trace_light_paths;
+    decltype(fathom::look_up_texture)* look_up_texture;
+    decltype(kernel_lanes)* lanes;
+    decltype(kernel_name)* name;
+};
 
 }  // namespace fathom

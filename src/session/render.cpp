@@ -569,13 +569,4 @@ Color render_sample(const RenderJob& job, int x, int y, std::uint64_t sample_ind
     return {v[0], v[1], v[2]};
 }
 
-int simd_width()
-{
-    return kernel_lanes();
-}
-const char* simd_name()
-{
-    return kernel_name();
-}
-
 }  // namespace fathom

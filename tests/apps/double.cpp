@@ -309,5 +309,9 @@ const char* simd_name()
 {
     return "none";
 }
+KernelChoice kernel_choice()
+{
+    return {"none", "a test double", ""};
+}
 
 }  // namespace fathom

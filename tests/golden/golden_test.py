@@ -8,7 +8,6 @@ usage: golden_test.py FATHOM PICTURE_HASH [--accept] [--only NAME ...]
 --accept writes the new hashes. Compare the images before and after, and explain the difference in the commit."""
 import argparse
 import concurrent.futures
-import glob
 import os
 import pathlib
 import subprocess
@@ -17,12 +16,13 @@ import tempfile
 
 HERE = pathlib.Path(__file__).resolve().parent
 LIST = HERE / "hashes.txt"
-LEVELS = ["none", "x86-64-v3", "x86-64-v4"]  # "none" matches no library folder, so the loader takes the base library
+KERNELS = ["base", "avx2", "avx512"]  # values of FATHOM_KERNEL
 LAYERS = "albedo,normal,depth,position,instance,material,variance"
 
 
-def run(command):
-    result = subprocess.run(command, capture_output=True, text=True)
+def run(command, kernel=None):
+    environment = {**os.environ, "FATHOM_KERNEL": kernel} if kernel else None
+    result = subprocess.run(command, capture_output=True, text=True, env=environment)
     if result.returncode:
         sys.exit(f"failed: {' '.join(command)}\n{result.stderr}")
     return result.stdout
@@ -39,23 +39,21 @@ def read_list():
         yield {"hash": words[0], "name": words[1], "scene": words[2], "options": words[3:]}
 
 
-def levels_of(program):
-    """Returns commands that run the program, by the name of the kernel that they select."""
-    loaders = glob.glob("/lib64/ld-linux-x86-64.so.2")
-    if not loaders:
-        return {"as it is": [program]}
-    found = {}
-    for level in LEVELS:
-        command = [loaders[0], "--glibc-hwcaps-mask", level, program]
-        found.setdefault(run(command + ["version"]).splitlines()[1].strip(), command)
-    return found
+def kernels_of(program):
+    """Returns the kernels that are built and that this machine supports."""
+    def runs(kernel):
+        environment = {**os.environ, "FATHOM_KERNEL": kernel}
+        return subprocess.run([program, "version"], capture_output=True, env=environment).returncode == 0
+    kernels = [kernel for kernel in KERNELS if runs(kernel)]
+    return kernels or sys.exit(f"{program} has no kernel for this machine")
 
 
-def hash_of(command, hasher, picture, folder, number):
+def hash_of(program, kernel, hasher, picture, folder, number):
     out = os.path.join(folder, f"{number}.exr")
     options = picture["options"] if "--size" in picture["options"] else ["--size", "24x16", *picture["options"]]
     spp = [] if {"--spp", "--samples"} & set(options) else ["--spp", "8"]
-    run([*command, "render", str(HERE / "scenes" / (picture["scene"] + ".json")), "-q", "-o", out, "--aov", LAYERS, *options, *spp])
+    run([program, "render", str(HERE / "scenes" / (picture["scene"] + ".json")), "-q", "-o", out, "--aov", LAYERS, *options, *spp],
+        kernel)
     return run([hasher, out]).strip()
 
 
@@ -72,15 +70,15 @@ def main():
         sys.exit(f"{LIST}: no picture of the scenes {', '.join(sorted(unused))}")
     if arguments.only:
         pictures = [p for p in pictures if p["name"] in arguments.only]
-    levels = levels_of(arguments.program)
-    print("kernels:", ", ".join(levels))
+    kernels = kernels_of(arguments.program)
+    print("kernels:", ", ".join(kernels))
     changed, apart = {}, 0
     with tempfile.TemporaryDirectory() as folder, concurrent.futures.ThreadPoolExecutor(2) as pool:
-        jobs = [(p, name, pool.submit(hash_of, command, arguments.hasher, p, folder, f"{p['name']}-{i}"))
-                for p in pictures for i, (name, command) in enumerate(levels.items())]
+        jobs = [(p, kernel, pool.submit(hash_of, arguments.program, kernel, arguments.hasher, p, folder, f"{p['name']}-{kernel}"))
+                for p in pictures for kernel in kernels]
         seen = {}
-        for p, name, job in jobs:
-            seen.setdefault(p["name"], {})[name] = job.result()
+        for p, kernel, job in jobs:
+            seen.setdefault(p["name"], {})[kernel] = job.result()
     for p in pictures:
         hashes = seen[p["name"]]
         if len(set(hashes.values())) > 1:

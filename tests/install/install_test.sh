@@ -27,11 +27,23 @@ expect "the schema is installed" test -f "$prefix/share/doc/fathom/scene.schema.
 # The installed libraries are used instead of those in the build folder.
 libraries=$(ldd "$prefix/bin/fathom")
 expect "no library is missing" test -z "$(grep 'not found' <<<"$libraries")"
-expect "the kernel library comes from the moved folder" \
-    grep -q "libfathom_kernel.so.0 => $prefix/bin/../lib" <<<"$libraries"
+expect "libfathom comes from the moved folder" grep -q "libfathom.so.0 => $prefix/bin/../lib" <<<"$libraries"
 expect "nothing comes from the build folder" test -z "$(grep -F "$build/" <<<"$libraries")"
-expect "the loader picks the same kernel as in the build folder" \
+expect "the same kernel is selected as in the build folder" \
     test "$(lanes_of "$prefix/bin/fathom")" = "$(lanes_of "$build/bin/fathom")"
+kernel_folder=$prefix/lib/fathom
+# Nothing of the build folder may replace a missing kernel.
+mkdir "$place/kernels"
+mv "$kernel_folder"/libfathom_kernel-* "$place/kernels"
+expect "kernels come from the moved folder only" test "$("$prefix/bin/fathom" version 2>&1 | grep -c "is missing in $kernel_folder")" = 1
+mv "$place/kernels/libfathom_kernel-base.so" "$kernel_folder"
+if grep -qw avx2 /proc/cpuinfo && [ -z "$sanitizers" ]; then
+    message="is missing in $kernel_folder: the kernel is one lane wide, and slow"
+    "$prefix/bin/fathom" render "$source/scenes/cornell-box.json" --size 8x8 --spp 1 -o "$place/narrow.png" 2>"$place/narrow.log"
+    expect "a narrow kernel on a processor with AVX2 is warned of in one line" test "$(grep -c "$message" "$place/narrow.log")" = 1
+    expect "fathom version says why" grep -q "^kernel: base (.* is missing in $kernel_folder)" <<<"$("$prefix/bin/fathom" version)"
+fi
+find "$place/kernels" -type f -exec mv {} "$kernel_folder" \;
 
 cd "$place"
 "$prefix/bin/fathom" render "$source/scenes/cornell-box.json" --size 64x48 --spp 4 --quiet -o box.png

@@ -4,22 +4,20 @@
 parts.
 
 usage: same_bits_test.py FATHOM SCENES"""
-import glob, os, subprocess, sys, tempfile
+import os, subprocess, sys, tempfile
 
-SKIPPED = 77
-LEVELS = ["x86-64-v4", "x86-64-v3", "none"]  # "none" matches no library folder, so the loader takes the base library
-
-
-def loader():
-    found = glob.glob("/lib64/ld-linux-x86-64.so.2")
-    return found[0] if found else None
+KERNELS = ["avx512", "avx2", "base"]  # values of FATHOM_KERNEL
 
 
-def run(program, *arguments, level=None):
-    command = [program, *arguments]
-    if level:
-        command = [loader(), "--glibc-hwcaps-mask", level, *command]
-    return subprocess.run(command, check=True, capture_output=True, text=True).stdout
+def run(program, *arguments, kernel=None):
+    environment = {**os.environ, "FATHOM_KERNEL": kernel} if kernel else None
+    return subprocess.run([program, *arguments], check=True, capture_output=True, text=True, env=environment).stdout
+
+
+def runs(program, kernel):
+    """Whether the kernel is built and this machine supports it."""
+    environment = {**os.environ, "FATHOM_KERNEL": kernel}
+    return subprocess.run([program, "version"], capture_output=True, env=environment).returncode == 0
 
 
 WIDTH, HEIGHT = 64, 48
@@ -44,13 +42,8 @@ def pixels(path):
 
 def main():
     program, scenes = sys.argv[1:3]
-    if not loader():
-        print("skipped: no glibc loader for x86-64")
-        return SKIPPED
-    levels = {}
-    for level in LEVELS:
-        levels.setdefault(run(program, "version", level=level).splitlines()[1], level)
-    print("levels:", ", ".join(levels))
+    kernels = [kernel for kernel in KERNELS if runs(program, kernel)]
+    print("kernels:", ", ".join(kernels))
     failed = 0
     with tempfile.TemporaryDirectory() as folder:
         for scene in ["cornell-box", "cornell-box-triangles", "report-spheres", "report-marble", "environment", "textures",
@@ -63,10 +56,10 @@ def main():
             caustics = "on" if scene.endswith(caustics_mark) else "off"
             common = ["-q", "--caustics", caustics, "--size", f"{WIDTH}x{HEIGHT}", "--exr", "float", "--guiding", guiding]
             seen = {}
-            for name, level in levels.items():
-                out = os.path.join(folder, "level.exr")
-                run(program, "render", path, "--samples", "0:6", "-o", out, *common, level=level)
-                seen[name] = pixels(out)
+            for kernel in kernels:
+                out = os.path.join(folder, "kernel.exr")
+                run(program, "render", path, "--samples", "0:6", "-o", out, *common, kernel=kernel)
+                seen[kernel] = pixels(out)
             for threads in ["1", "3"]:
                 out = os.path.join(folder, "threads.exr")
                 run(program, "render", path, "--samples", "0:6", "--threads", threads, "-o", out, *common)
