@@ -122,10 +122,15 @@ std::map<std::string, std::string> ImageWriter::checkpoint_attributes(const Film
     return attributes;
 }
 
-void ImageWriter::report_result(const Film& film, const Summary& summary, bool was_interrupted)
+void ImageWriter::report_noise(const Film& film)
 {
     if (!plan_.denoiser) report_fireflies(film, plan_.write.display, reporter_);
     warn_about_dropped_samples(film, reporter_);
+}
+
+void ImageWriter::report_result(const Film& film, const Summary& summary, bool was_interrupted)
+{
+    report_noise(film);
     if (was_interrupted)
         reporter_.note(fmt::format("interrupted: the image has {} samples per pixel", film.samples_per_pixel()));
     reporter_.summary(summary);

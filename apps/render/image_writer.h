@@ -19,6 +19,8 @@ public:
     /// Attributes of a checkpoint of the film.
     std::map<std::string, std::string> checkpoint_attributes(const Film& film, const Summary& summary,
                                                              double samples_per_s) const;
+    /// Reports fireflies and dropped samples.
+    void report_noise(const Film& film);
     /// Reports the render once all is written.
     void report_result(const Film& film, const Summary& summary, bool was_interrupted);
 

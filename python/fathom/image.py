@@ -99,7 +99,8 @@ class Image:
         how : options of the command line for images, such as ``exposure``, ``tonemap``, ``png_bits``, ``quality``
         """
         options.check_names(how, options.IMAGE, "save")
-        self._layers.save(pathlib.Path(path), options.words({**self._display, **how}))
+        with options.named_as_in_python():
+            self._layers.save(pathlib.Path(path), options.words({**self._display, **how}))
 
     def more(self, spp: int | None = None, time: float | None = None, *, progress: Any = None, callback: Any = None) -> Image:
         """Adds `spp` samples per pixel, or as many as fit into `time` seconds, to this image, and returns it.

@@ -5,10 +5,12 @@ Names, values and checks are those of the command line: ``look_from=(1, 2, 3)`` 
 """
 from __future__ import annotations
 
+import contextlib
 import difflib
 import functools
 import os
-from collections.abc import Iterable, Mapping
+import re
+from collections.abc import Iterable, Iterator, Mapping
 from typing import Any
 
 from . import _fathom
@@ -86,6 +88,17 @@ def words(options: Mapping[str, Any]) -> list[str]:
         else:
             result.append(f"{word}={_text(name, value, form)}")
     return result
+
+
+@contextlib.contextmanager
+def named_as_in_python() -> Iterator[None]:
+    """Names options in messages of ValueError as keyword arguments: ``look_from`` for ``--look-from``."""
+    try:
+        yield
+    except ValueError as error:
+        if isinstance(error, _fathom.Error):
+            raise
+        raise ValueError(re.sub(r"--([a-z][a-z-]*)", lambda word: word[1].replace("-", "_"), str(error))) from None
 
 
 def _text(name: str, value: Any, form: str) -> str:

@@ -349,7 +349,8 @@ def load(path: str | os.PathLike | bytes, **how: Any) -> Scene:
     """
     options.check_names(how, options.LOAD, "load")
     if not isinstance(path, (bytes, bytearray, memoryview)):
-        core, found = _fathom.load(pathlib.Path(path), options.words(how))
+        with options.named_as_in_python():
+            core, found = _fathom.load(pathlib.Path(path), options.words(how))
         warn(found)
         return wrap(core)
     handle = os.memfd_create("fathom")

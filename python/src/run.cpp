@@ -134,7 +134,7 @@ void Run::sample(SampleRange wanted, std::optional<double> time_s, const std::at
     cli::ImageWriter writer(*plan_, options_.images, reporter_);
     image_ = std::make_shared<const Image>(writer.image(film->film, summary_));
     film->attributes = image_->attributes;
-    if (!film->film.samples().empty()) writer.report_result(film->film, summary_, false);
+    if (!film->film.samples().empty()) writer.report_noise(film->film);
 }
 
 void Run::forget_scene()

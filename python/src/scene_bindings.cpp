@@ -177,8 +177,9 @@ std::vector<std::byte> to_bytes(const nb::bytes& bytes)
 /// Replaces image files by their contents, so that the scene doesn't depend on them; read(path) returns bytes.
 void embed_images(Scene& scene, const nb::callable& read)
 {
-    for (ImageFile& image : scene.restructure().images) {
-        if (image.path.empty()) continue;
+    for (ImageFile& image : scene.builder.edit_scene().images) {
+        // IES files are recognized by the name of the file.
+        if (image.path.empty() || image.path.extension() == ".ies") continue;
         image.bytes = to_bytes(nb::cast<nb::bytes>(read(image.path)));
         image.name = image.path.filename().string();
         image.path.clear();

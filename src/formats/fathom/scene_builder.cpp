@@ -19,6 +19,12 @@ std::string index_name(int index)
     return fmt::format("#{}", index);
 }
 
+/// Name of an object in messages.
+std::string title(const char* what, const std::string& name)
+{
+    return name.empty() ? what : fmt::format("{} '{}'", what, name);
+}
+
 template <class T>
 std::vector<std::string> index_names(const std::vector<T>& things)
 {
@@ -142,7 +148,7 @@ int SceneBuilder::add_image(const std::string& name, std::vector<std::byte> byte
 
 int SceneBuilder::add_material(const std::string& json, const std::string& name)
 {
-    const int index = data_->parse(fmt::format("material '{}'", name), json, [&](const JsonValue& v) {
+    const int index = data_->parse(title("material", name), json, [&](const JsonValue& v) {
         return data_->reader.add_material(v, name);
     });
     if (!name.empty()) data_->reader.materials_[name] = index;
@@ -152,7 +158,7 @@ int SceneBuilder::add_material(const std::string& json, const std::string& name)
 void SceneBuilder::set_material(int material, const std::string& json)
 {
     const std::string name = scene().materials.at(std::size_t(material)).name;
-    Material read = data_->parse(fmt::format("material '{}'", name), json,
+    Material read = data_->parse(title("material", name), json,
                                  [&](const JsonValue& v) { return data_->reader.read_material(v, name); });
     edit_scene().materials[std::size_t(material)] = std::move(read);
 }
@@ -166,7 +172,7 @@ int SceneBuilder::add_node(const std::string& json)
 
 int SceneBuilder::add_light(const std::string& json, const std::string& name)
 {
-    const auto placed = data_->parse(fmt::format("light '{}'", name), json,
+    const auto placed = data_->parse(title("light", name), json,
                                      [&](const JsonValue& v) { return data_->reader.add_light(v, name); });
     SceneDescription& scene = edit_scene();
     Node node;
@@ -183,7 +189,7 @@ void SceneBuilder::set_light(int node, const std::string& json)
     SceneDescription& scene = edit_scene();
     Node& holder = scene.nodes.at(std::size_t(node));
     Light& light = scene.lights.at(std::size_t(holder.light));
-    const auto placed = data_->parse(fmt::format("light '{}'", light.name), json, [&](const JsonValue& v) {
+    const auto placed = data_->parse(title("light", light.name), json, [&](const JsonValue& v) {
         return data_->reader.add_light(v, light.name);
     });
     scene.lights[std::size_t(holder.light)] = scene.lights[std::size_t(placed.index)];
