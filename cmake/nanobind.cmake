@@ -9,7 +9,6 @@ function(fathom_find_nanobind python)
   endif()
 endfunction()
 
-set(FATHOM_PYTHON_VENV ${CMAKE_BINARY_DIR}/python-venv)
 if(FATHOM_TESTS AND NOT SKBUILD)
   if(NOT EXISTS ${FATHOM_PYTHON_VENV}/complete)
     message(STATUS "Making a virtual environment for the Python package")

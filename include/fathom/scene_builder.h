@@ -63,6 +63,9 @@ public:
     /// Replaces the render settings that the scene contains, the object `render` of scene files.
     void set_render(const std::string& json);
 
+    /// Returns the parameters of materials that are a texture and nothing else, such as `normal_map`. Others are colors
+    /// or numbers, to which a texture is given as `{"texture": ...}`.
+    static std::vector<std::string> texture_parameters();
     /// Returns an object of the scene as JSON. Textures, materials and images in it are referred to by index.
     std::string material_json(int material) const;
     /// As material_json(), for a texture.

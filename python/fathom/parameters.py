@@ -6,6 +6,7 @@ changed.
 """
 from __future__ import annotations
 
+import functools
 import hashlib
 import json
 import os
@@ -42,7 +43,9 @@ class Parameters:
         if kind is not None:
             self._values["kind"] = kind
         self._values.update({self._aliases.get(name, name): value for name, value in values.items() if value is not None})
-        self._check(self._values)
+        # References to objects of a scene can be checked by that scene only.
+        if not has_reference(self._values):
+            self._check(self._values)
 
     def _check(self, values: Mapping[str, Any]) -> None:
         raise NotImplementedError
@@ -58,10 +61,16 @@ class Parameters:
             new.pop(name, None)
             if value is not None:
                 new[name] = value
-        self._check(new)
+        if not has_reference(new):
+            self._check(new)
+        old = self._values
         object.__setattr__(self, "_values", new)
-        for scene, index in list(self._uses.items()):
-            self._apply(scene, index)
+        try:
+            for scene, index in list(self._uses.items()):
+                checked(self._apply, scene, index)
+        except Exception:
+            object.__setattr__(self, "_values", old)
+            raise
 
     def __getattr__(self, name: str) -> Any:
         try:
@@ -142,7 +151,7 @@ class Texture(Parameters):
         super().__init__(kind, {"image": image, **parameters})
 
     def _check(self, values: Mapping[str, Any]) -> None:
-        checked(_fathom.Scene().add_material, json.dumps({"color": json.loads(to_json(values))}), "")
+        checked(_fathom.Scene().add_material, json.dumps({"color": {"texture": json.loads(to_json(values))}}), "")
 
 
 class ImageData:
@@ -243,9 +252,20 @@ def to_json(values: Any, scene: Scene | None = None) -> str:
     return json.dumps(_plain(values, scene, ""))
 
 
+def has_reference(value: Any) -> bool:
+    """Whether parameters refer to an object of a scene by index, such as ``#3``."""
+    if isinstance(value, str):
+        return value.startswith("#")
+    if isinstance(value, Mapping):
+        return any(has_reference(item) for item in value.values())
+    return False
+
+
 def _plain(value: Any, scene: Scene | None, key: str) -> Any:
     if isinstance(value, Material) and key:
         return f"#{scene._material_index(value)}" if scene else _plain(value._values, None, "")
+    if isinstance(value, Texture) and key not in ("", "texture", *_texture_parameters()):
+        return {"texture": _plain(value, scene, "")}
     if isinstance(value, Parameters):
         value = value._values
     if isinstance(value, Mapping):
@@ -267,6 +287,11 @@ def _plain(value: Any, scene: Scene | None, key: str) -> Any:
     if value is None or isinstance(value, (str, bool, int, float)):
         return value
     raise TypeError(f"{key or 'parameter'}: expected numbers, text or a texture, found {type(value).__name__}")
+
+
+@functools.lru_cache(maxsize=None)
+def _texture_parameters() -> tuple[str, ...]:
+    return tuple(_fathom.texture_parameters())
 
 
 def _is_rows(key: str) -> bool:

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from . import _fathom, arrays, options
-from .parameters import Camera, Environment, ImageData, Light, Material, Texture, checked, to_json
+from .parameters import Camera, Environment, Light, Material, checked, has_reference, to_json
 
 if TYPE_CHECKING:
     from .image import Image
@@ -289,7 +289,7 @@ class Scene:
         if not isinstance(material, Material):
             raise TypeError(f"material: expected a fathom.Material, found {type(material).__name__}")
         if self not in material._uses:
-            if _has_reference(material._values):
+            if has_reference(material._values):
                 raise ValueError("the material has textures of the scene that it belongs to; it can't be used in another")
             index = checked(self._core.add_material, self._json(material), str(material._values.get("name", "")))
             material._uses[self] = index
@@ -309,15 +309,6 @@ class Scene:
     def __repr__(self) -> str:
         counts = self._core.counts()
         return f"<fathom.Scene: {counts['meshes']} meshes, {counts['materials']} materials, {counts['lights']} lights>"
-
-
-def _has_reference(value: Any) -> bool:
-    """Whether parameters refer to an object of a scene by index."""
-    if isinstance(value, str):
-        return value.startswith("#")
-    if isinstance(value, Mapping):
-        return any(_has_reference(item) for item in value.values())
-    return False
 
 
 def wrap(core: _fathom.Scene) -> Scene:

@@ -2,6 +2,7 @@
 #include <nanobind/stl/filesystem.h>
 #include <nanobind/stl/map.h>
 #include <nanobind/stl/optional.h>
+#include <nanobind/stl/pair.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/tuple.h>
 #include <nanobind/stl/vector.h>
@@ -154,7 +155,7 @@ nb::tuple load(const std::filesystem::path& file, std::vector<std::string> words
         cli::parse_render_words(words, options);
         scene = std::make_unique<Scene>(load_scene_file(file, cli::load_options(options.scene), warnings));
     }
-    return nb::make_tuple(std::move(scene), to_dict(warnings));
+    return nb::make_tuple(nb::cast(scene.release(), nb::rv_policy::take_ownership), to_dict(warnings));
 }
 
 nb::dict save(const Scene& scene, const std::filesystem::path& file)
@@ -326,6 +327,7 @@ void bind_scene(nb::module_& module)
     bind_changes(scene);
     bind_contents(scene);
     module.def("load", &load);
+    module.def("texture_parameters", &SceneBuilder::texture_parameters);
     module.def("render_options", [] {
         std::vector<std::tuple<std::string, std::string, std::string, std::string>> options;
         for (const cli::OptionText& text : cli::render_option_texts())

@@ -9,6 +9,7 @@
 #include "formats/fathom/parameters_json.h"
 #include "formats/fathom/scene_json.h"
 #include "formats/json/json.h"
+#include "scene/material_table.h"
 
 namespace fathom {
 
@@ -224,6 +225,14 @@ void SceneBuilder::set_render(const std::string& json)
         edit_scene().hints = before;
         throw;
     }
+}
+
+std::vector<std::string> SceneBuilder::texture_parameters()
+{
+    std::vector<std::string> keys;
+    for (const Parameter<Material>& p : material_parameters())
+        if (std::holds_alternative<TextureReference<Material>>(p.member)) keys.emplace_back(p.key);
+    return keys;
 }
 
 std::string SceneBuilder::material_json(int material) const
