@@ -18,6 +18,10 @@ if [[ ${1:-} == --output ]]; then
 fi
 [[ $# -gt 0 ]] || set -- python3
 mkdir -p "$output" build
+# scikit-build-core would take the compiler that Python was built with; CMakeLists.txt prefers Clang.
+if [[ -z ${CXX:-} ]] && clang=$(command -v clang++-19 || command -v clang++-20 || command -v clang++-21); then
+  export CXX=$clang
+fi
 for python in "$@"; do
   tools=$(mktemp -d)
   "$python" -m venv "$tools/venv"
