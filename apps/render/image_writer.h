@@ -12,7 +12,8 @@ class ImageWriter {
 public:
     ImageWriter(const RenderPlan& plan, const ImageOptions& files, Reporter& reporter);
 
-    /// The image of a film: its layers, those of the options, attributes, and the denoised layer if there is a denoiser.
+    /// The image of a film: its layers, those of the options, attributes, and the denoised layer if there is a
+    /// denoiser.
     Image image(const Film& film, const Summary& summary) const;
     /// False if a file could not be written, which is reported.
     bool write(const Film& film, const Summary& summary);

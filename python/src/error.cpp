@@ -14,7 +14,8 @@ void bind_error(nb::module_& module)
     nb::object type = nb::steal(PyErr_NewExceptionWithDoc(
         "fathom.Error",
         "Something outside the program is wrong: a file, a parameter of a scene, the machine.\n\n"
-        "``str(error)`` is one line, ``file: place: message``. ``error.file`` and ``error.place`` are the parts that are\n"
+        "``str(error)`` is one line, ``file: place: message``. ``error.file`` and ``error.place`` are the parts that "
+        "are\n"
         "known, otherwise ``None``.",
         PyExc_RuntimeError, nullptr));
     if (!type.is_valid()) nb::raise_python_error();

@@ -53,9 +53,10 @@ void Run::start(Scene& scene, const std::vector<std::string>& words, bool take, 
     const double start_s = cli::seconds_since_start();
     reporter_.forward({.note = [this](const std::string& note) { notes.push_back(note); },
                        .error = {},
-                       .warnings = [this](const Warnings& more) {
-                           for (const auto& [text, count] : more.counts()) warnings.add(text, count);
-                       }});
+                       .warnings =
+                           [this](const Warnings& more) {
+                               for (const auto& [text, count] : more.counts()) warnings.add(text, count);
+                           }});
     std::vector<std::string> scene_words;
     options_ = parse_options(words, scene_words);
     options_.scene.file = scene.description().file;
@@ -63,9 +64,7 @@ void Run::start(Scene& scene, const std::vector<std::string>& words, bool take, 
     prepare(scene, scene_words, take);
     cli::check_film_memory(*plan_);
     summary_.build_s = cli::seconds_since_start() - start_s;
-    planned_samples = plan_->samples.time_s
-                          ? 0
-                          : double(plan_->samples.range.second - plan_->samples.range.first);
+    planned_samples = plan_->samples.time_s ? 0 : double(plan_->samples.range.second - plan_->samples.range.first);
     job_ = prepared_->make_job(plan_->settings);
     film = std::make_shared<FilmBox>(FilmBox{Film(**job_), {}, plan_->write});
     if (resume) film->film.merge(*resume);

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "film.h"
 #include "fathom/denoise.h"
+#include "film.h"
 #include "render/image_writer.h"
 #include "render/render_plan.h"
 #include "scene.h"

@@ -32,7 +32,8 @@ struct Pass {
     {
         const Film& now = current();
         const Image image = now.beauty(now.key().settings.alpha);
-        const auto pixels = to_display(image.layers.front(), image.width, image.height, run->display.resolve({}).display);
+        const auto pixels =
+            to_display(image.layers.front(), image.width, image.height, run->display.resolve({}).display);
         return to_array<std::uint8_t>(pixels, {std::size_t(image.height), std::size_t(image.width), 4});
     }
 };
@@ -91,9 +92,8 @@ nb::object more(Run& run, std::optional<std::uint64_t> samples, std::optional<do
 {
     const BusyRun busy(run);
     Waiting waiting(call_back(run, callback));
-    waiting.run([&] {
-        run.more(samples, time_s, waiting.cancel(), [&](const Film& film) { waiting.announce(film); });
-    });
+    waiting.run(
+        [&] { run.more(samples, time_s, waiting.cancel(), [&](const Film& film) { waiting.announce(film); }); });
     return waiting.exception();
 }
 

@@ -82,8 +82,7 @@ void Scene::set_vertices(int mesh, std::vector<Vec3f> positions, std::vector<Vec
     make_movable(&SceneDescription::meshes, mesh);
     Mesh& target = builder.edit_scene().meshes[std::size_t(mesh)];
     target.positions = positions, target.normals = normals;
-    change_prepared(
-        [&](EditableScene& edit) { edit.set_vertices(mesh, std::move(positions), std::move(normals)); });
+    change_prepared([&](EditableScene& edit) { edit.set_vertices(mesh, std::move(positions), std::move(normals)); });
 }
 
 void Scene::set_vertex_motion(int mesh, std::vector<MeshKey> keys)
@@ -99,8 +98,7 @@ void Scene::set_material(int material, const std::string& json)
     builder.set_material(material, json);
     const SceneDescription& scene = description();
     if (scene.textures.size() != textures || scene.materials.size() != materials) return prepared_.reset();
-    change_prepared(
-        [&](EditableScene& edit) { edit.set_material(material, scene.materials[std::size_t(material)]); });
+    change_prepared([&](EditableScene& edit) { edit.set_material(material, scene.materials[std::size_t(material)]); });
 }
 
 void Scene::set_light(int node, const std::string& json)

@@ -18,12 +18,12 @@ using SharedJob = std::shared_ptr<std::optional<RenderJob>>;
 
 /// A scene that was completed and compiled for the options of a render.
 struct PreparedScene {
-    std::vector<std::string> words;    ///< options that it was prepared for
-    cli::LoadedScene loaded;           ///< without its description, except for what plans of further images read
+    std::vector<std::string> words;  ///< options that it was prepared for
+    cli::LoadedScene loaded;         ///< without its description, except for what plans of further images read
     std::optional<EditableScene> edit;
     LitScene lit;
-    bool is_edited = false;            ///< `edit` has changed since `lit` was compiled
-    std::optional<Camera> camera;      ///< replaces the camera that the scene was compiled for; in world space
+    bool is_edited = false;        ///< `edit` has changed since `lit` was compiled
+    std::optional<Camera> camera;  ///< replaces the camera that the scene was compiled for; in world space
     std::vector<std::weak_ptr<std::optional<RenderJob>>> jobs;
 
     /// Compiles the changes.

@@ -240,8 +240,8 @@ void bind_additions(nb::class_<Scene>& scene)
                 return add_mesh(s, name, {positions, indices, std::move(normals), std::move(uvs), std::move(colors)},
                                 material, transform);
             },
-            nb::arg("name"), nb::arg("positions"), nb::arg("indices"), nb::arg("normals").none(),
-            nb::arg("uvs").none(), nb::arg("colors").none(), nb::arg("material"), nb::arg("transform"))
+            nb::arg("name"), nb::arg("positions"), nb::arg("indices"), nb::arg("normals").none(), nb::arg("uvs").none(),
+            nb::arg("colors").none(), nb::arg("material"), nb::arg("transform"))
         .def("add_image",
              [](Scene& s, const std::string& name, const nb::bytes& bytes) { s.add_image(name, to_bytes(bytes)); })
         .def("add_material",
@@ -274,10 +274,8 @@ void bind_contents(nb::class_<Scene>& scene)
     scene.def("placed_meshes", &placed_meshes)
         .def("world_transforms", &world_transforms)
         .def("transform", [](const Scene& s, int node) { return to_matrix(node_at(s, node).parent_from_node); })
-        .def("shape_material",
-             [](const Scene& s, int node, int shape) {
-                 return node_at(s, node).shapes.at(std::size_t(shape)).material;
-             })
+        .def("shape_material", [](const Scene& s, int node,
+                                  int shape) { return node_at(s, node).shapes.at(std::size_t(shape)).material; })
         .def("node_light", [](const Scene& s, int node) { return node_at(s, node).light; })
         .def("positions", [](const Scene& s, int mesh) { return rows_or_none<float>(mesh_at(s, mesh).positions); })
         .def("normals", [](const Scene& s, int mesh) { return rows_or_none<float>(mesh_at(s, mesh).normals); })
@@ -291,13 +289,10 @@ void bind_contents(nb::class_<Scene>& scene)
         .def("counts",
              [](const Scene& s) {
                  const SceneDescription& d = s.description();
-                 return std::map<std::string, std::size_t>{{"materials", d.materials.size()},
-                                                           {"textures", d.textures.size()},
-                                                           {"images", d.images.size()},
-                                                           {"meshes", d.meshes.size()},
-                                                           {"lights", d.lights.size()},
-                                                           {"cameras", d.cameras.size()},
-                                                           {"nodes", d.nodes.size()}};
+                 return std::map<std::string, std::size_t>{
+                     {"materials", d.materials.size()}, {"textures", d.textures.size()}, {"images", d.images.size()},
+                     {"meshes", d.meshes.size()},       {"lights", d.lights.size()},     {"cameras", d.cameras.size()},
+                     {"nodes", d.nodes.size()}};
              })
         .def("material_name", [](const Scene& s, int i) { return s.description().materials.at(std::size_t(i)).name; })
         .def("material_json", [](const Scene& s, int i) { return s.builder.material_json(i); })

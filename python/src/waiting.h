@@ -18,7 +18,8 @@ class Waiting {
 public:
     using OnPass = std::function<void(const Film&)>;
 
-    /// on_pass  called on the calling thread, with the interpreter lock, for passes that the work announces; may be empty
+    /// on_pass  called on the calling thread, with the interpreter lock, for passes that the work announces; may be
+    /// empty
     explicit Waiting(OnPass on_pass) : on_pass_(std::move(on_pass)) {}
 
     /// Runs the work to its end, and throws what it throws. The interpreter lock must be held.

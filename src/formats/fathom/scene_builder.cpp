@@ -149,9 +149,8 @@ int SceneBuilder::add_image(const std::string& name, std::vector<std::byte> byte
 
 int SceneBuilder::add_material(const std::string& json, const std::string& name)
 {
-    const int index = data_->parse(title("material", name), json, [&](const JsonValue& v) {
-        return data_->reader.add_material(v, name);
-    });
+    const int index = data_->parse(title("material", name), json,
+                                   [&](const JsonValue& v) { return data_->reader.add_material(v, name); });
     if (!name.empty()) data_->reader.materials_[name] = index;
     return index;
 }
@@ -173,8 +172,8 @@ int SceneBuilder::add_node(const std::string& json)
 
 int SceneBuilder::add_light(const std::string& json, const std::string& name)
 {
-    const auto placed = data_->parse(title("light", name), json,
-                                     [&](const JsonValue& v) { return data_->reader.add_light(v, name); });
+    const auto placed =
+        data_->parse(title("light", name), json, [&](const JsonValue& v) { return data_->reader.add_light(v, name); });
     SceneDescription& scene = edit_scene();
     Node node;
     node.name = name;
@@ -190,9 +189,8 @@ void SceneBuilder::set_light(int node, const std::string& json)
     SceneDescription& scene = edit_scene();
     Node& holder = scene.nodes.at(std::size_t(node));
     Light& light = scene.lights.at(std::size_t(holder.light));
-    const auto placed = data_->parse(title("light", light.name), json, [&](const JsonValue& v) {
-        return data_->reader.add_light(v, light.name);
-    });
+    const auto placed = data_->parse(title("light", light.name), json,
+                                     [&](const JsonValue& v) { return data_->reader.add_light(v, light.name); });
     scene.lights[std::size_t(holder.light)] = scene.lights[std::size_t(placed.index)];
     scene.lights.pop_back();
     holder.parent_from_node = placed.place;
