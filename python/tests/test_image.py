@@ -7,7 +7,7 @@ import pytest
 
 import fathom
 from conftest import SMALL
-from fathom.png import encode_png
+from fathom.png import encode_pfm, encode_png
 
 
 def test_arrays_share_memory_and_are_read_only(scene):
@@ -80,6 +80,10 @@ def test_missing_layer_says_what_to_do(scene):
 def test_png_in_notebooks(scene):
     data = scene.render(**SMALL)._repr_png_()
     assert data.startswith(b"\x89PNG")
+
+
+def test_pfm_encoder_writes_the_last_row_first():
+    assert encode_pfm(np.array([[1, 2], [3, 4]])) == b"Pf\n2 2\n-1.0\n" + np.array([3, 4, 1, 2], "<f4").tobytes()
 
 
 def test_png_encoder():

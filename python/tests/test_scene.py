@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 import pickle
+import warnings
 
 import numpy as np
 import pytest
@@ -172,11 +173,25 @@ def test_pickle(scene):
     assert material == scene.mesh.material
 
 
+def test_pickle_contains_image_files(scene, tmp_path):
+    scene.render(**SMALL).save(tmp_path / "a.png")
+    scene.mesh.material.color = fathom.Texture(tmp_path / "a.png")
+    data = pickle.dumps(scene)
+    (tmp_path / "a.png").unlink()
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        assert pickle.loads(data).render(**SMALL).rgb.any()
+
+
 def test_textures_of_a_loaded_scene_stay_there(scene, tmp_path, tetrahedron):
     scene.mesh.material.color = np.full((2, 2, 3), 200, np.uint8)
     scene.save(tmp_path / "a.json")
-    material = fathom.load(tmp_path / "a.json").meshes[0].material
+    loaded = fathom.load(tmp_path / "a.json")
+    material = loaded.meshes[0].material
     material.roughness = 0.5
+    with pytest.raises(fathom.ParameterError):
+        material.roughness = 5
+    assert material.roughness == 0.5
     with pytest.raises(ValueError, match="another"):
         fathom.Scene().add_mesh(*tetrahedron, material=material)
 
