@@ -117,7 +117,7 @@ class Image:
         if self._run is None:
             raise _fathom.Error("no more samples can be added to this image: it has no scene")
         run = self._run
-        with Watcher(progress, callback, None, None if spp is None else spp) as watcher:
+        with Watcher(progress, callback, None, run.film.samples_per_pixel, None if spp is None else int(spp)) as watcher:
             stopped = run.more(None if spp is None else int(spp), time, watcher.callback)
         self._layers = run.layers()
         finish(self, stopped)

@@ -20,7 +20,7 @@ class Progress:
         #: Samples per pixel that this call has rendered.
         self.samples: int = state.samples - begin
         #: Samples per pixel that this call renders; None if a time limits it.
-        self.total: int | None = total if total is not None else int(state.planned) or None
+        self.total: int | None = total if total is not None else max(int(state.planned) - begin, 0) or None
         #: Seconds since rendering began.
         self.elapsed: float = elapsed
 
@@ -67,19 +67,16 @@ class LiveImage:
 class Watcher:
     """Passes the progress of a render on to what the caller asked for. `callback` is None if that is nothing."""
 
-    def __init__(self, progress: Any, callback: Any, live: bool | None, total: int | None):
+    def __init__(self, progress: Any, callback: Any, live: bool | None, begin: int = 0, total: int | None = None):
         if callback is not None and not callable(callback):
             raise TypeError(f"callback: expected a function, found {type(callback).__name__}")
-        self._user, self._total = callback, total
-        self._begin: int | None = 0 if total is None else None
+        self._user, self._begin, self._total = callback, begin, total
         self._bar = _tqdm(progress)
         self._live = LiveImage() if live or (live is None and in_notebook()) else None
         self._start_s = time.monotonic()
         self.callback = self._report if callback or self._bar is not None or self._live else None
 
     def _report(self, state: _fathom.Pass) -> None:
-        if self._begin is None:
-            self._begin = 0
         now = Progress(state, self._begin, self._total, time.monotonic() - self._start_s)
         if self._bar is not None:
             self._bar.total = now.total

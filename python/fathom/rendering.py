@@ -64,7 +64,7 @@ def render_scene(scene: Scene, settings: dict[str, Any], take: bool) -> Image:
     words = options.words(settings)
     if settings["denoise"]:
         point_to_denoiser()
-    with Watcher(progress, callback, live, None) as watcher, options.named_as_in_python():
+    with Watcher(progress, callback, live, film.samples_per_pixel if film else 0) as watcher, options.named_as_in_python():
         run, stopped = _fathom.render(scene._core, words, take, film._core if film else None, watcher.callback)
     shown = {name: value for name, value in settings.items() if name in options.IMAGE}
     image = Image(run.layers(), run, shown)

@@ -65,7 +65,8 @@ class Mesh(Node):
 
     @property
     def vertices(self) -> np.ndarray:
-        """Positions (n, 3), float32, in meters, before the transform. An assigned array may have another length."""
+        """Positions (n, 3), float32, in meters, before the transform. An assigned array has as many rows; it makes
+        triangles flat, see :meth:`set_vertices` for normals."""
         return _rows(self._scene._core.positions(self._mesh), 3)
 
     @vertices.setter

@@ -39,6 +39,8 @@ public:
     /// samples  number of samples per pixel; none: as many as fit into time_s
     void more(std::optional<std::uint64_t> samples, std::optional<double> time_s, const std::atomic<bool>& cancel,
               const AfterPass& after_pass);
+    /// The scene that is rendered; null after forget_scene().
+    const std::shared_ptr<PreparedScene>& prepared() const { return prepared_; }
     /// The image so far; its layers never change.
     std::shared_ptr<const Image> image() const { return image_; }
     /// Forgets the scene, after which no more samples can be rendered.

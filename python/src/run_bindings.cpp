@@ -51,23 +51,27 @@ Waiting::OnPass call_back(const Run& run, const nb::object& callback)
     };
 }
 
+/// Marks a run, its film and its scene as busy while it exists. The interpreter lock must be held at both ends.
 class BusyRun {
 public:
     explicit BusyRun(Run& run) : run_(run)
     {
-        if (run.is_busy) throw std::runtime_error("the image is being rendered; wait until that is done");
-        run.is_busy = true;
-        if (run.film) run.film->is_busy = true;
+        if (run.is_busy || (run.prepared() && run.prepared()->is_busy))
+            throw std::runtime_error("the image is being rendered; wait until that is done");
+        mark(true);
     }
     BusyRun(const BusyRun&) = delete;
     BusyRun& operator=(const BusyRun&) = delete;
-    ~BusyRun()
-    {
-        run_.is_busy = false;
-        if (run_.film) run_.film->is_busy = false;
-    }
+    ~BusyRun() { mark(false); }
 
 private:
+    void mark(bool busy)
+    {
+        run_.is_busy = busy;
+        if (run_.film) run_.film->is_busy = busy;
+        if (run_.prepared()) run_.prepared()->is_busy = busy;
+    }
+
     Run& run_;
 };
 

@@ -25,6 +25,7 @@ struct PreparedScene {
     bool is_edited = false;        ///< `edit` has changed since `lit` was compiled
     std::optional<Camera> camera;  ///< replaces the camera that the scene was compiled for; in world space
     std::vector<std::weak_ptr<std::optional<RenderJob>>> jobs;
+    bool is_busy = false;  ///< a thread compiles or renders it; read and written with the interpreter lock
 
     /// Compiles the changes.
     void compile_again(Warnings& warnings);
@@ -42,6 +43,7 @@ public:
     /// The description, for changes that need a new preparation.
     SceneDescription& restructure();
 
+    std::shared_ptr<PreparedScene> prepared() const { return prepared_; }
     /// The compiled scene for these options, if there is one.
     std::shared_ptr<PreparedScene> prepared(const std::vector<std::string>& words) const;
     void set_prepared(std::shared_ptr<PreparedScene> scene) { prepared_ = std::move(scene); }
@@ -86,17 +88,25 @@ private:
 /// Marks a scene as busy while it exists. The interpreter lock must be held at both ends.
 class BusyScene {
 public:
-    explicit BusyScene(Scene& scene) : scene_(scene)
+    explicit BusyScene(Scene& scene) : scene_(scene), prepared_(scene.prepared())
     {
-        if (scene.is_busy) throw std::runtime_error("the scene is being rendered; wait until that is done");
-        scene.is_busy = true;
+        if (scene.is_busy || (prepared_ && prepared_->is_busy))
+            throw std::runtime_error("the scene is being rendered; wait until that is done");
+        mark(true);
     }
     BusyScene(const BusyScene&) = delete;
     BusyScene& operator=(const BusyScene&) = delete;
-    ~BusyScene() { scene_.is_busy = false; }
+    ~BusyScene() { mark(false); }
 
 private:
+    void mark(bool busy)
+    {
+        scene_.is_busy = busy;
+        if (prepared_) prepared_->is_busy = busy;
+    }
+
     Scene& scene_;
+    std::shared_ptr<PreparedScene> prepared_;
 };
 
 }  // namespace fathom::python

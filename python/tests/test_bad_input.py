@@ -82,6 +82,15 @@ def test_parameters(make, message):
     assert isinstance(raised.value, ValueError) and isinstance(raised.value, fathom.Error) and raised.value.file
 
 
+def test_scene_can_be_corrected_after_an_error(scene):
+    expected = scene.render(**SMALL).hdr["beauty"]
+    scene.mesh.set_motion([(0, np.eye(4)), (1, np.diag([-1, 1, 1, 1]))])
+    with pytest.raises(fathom.Error):
+        scene.render(**SMALL)
+    scene.mesh.set_motion([])
+    assert np.allclose(scene.render(**SMALL).hdr["beauty"], expected, atol=1e-3)
+
+
 def test_wrong_change_keeps_the_old_value(scene):
     material = scene.mesh.material
     with pytest.raises(fathom.ParameterError):

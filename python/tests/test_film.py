@@ -19,6 +19,7 @@ def test_resume(scene, tmp_path):
     seen = []
     resumed = scene.render(size=(64, 48), spp=4, film=tmp_path / "a.exr", callback=lambda progress: seen.append(progress.samples))
     assert np.array_equal(resumed.hdr["beauty"], whole.hdr["beauty"]) and resumed.film.samples == [(0, 4)]
+    assert seen[-1] == 2
 
 
 def test_program_merges_films_of_python(scene, tmp_path, program):

@@ -83,6 +83,22 @@ def test_scene_that_is_rendered_cannot_be_changed(scene):
     assert len(errors) >= 2
 
 
+def test_image_that_gets_samples_keeps_its_scene(scene):
+    image = scene.render(size=(64, 48), spp=1)
+    scene.mesh.transform = np.eye(4)
+    seen = []
+
+    def disturb(progress):
+        for action in (lambda: scene.render(size=(64, 48), spp=1), lambda: image.more(1), lambda: image.film.samples,
+                       lambda: image.detach()):
+            with pytest.raises(RuntimeError, match="being rendered"):
+                action()
+        seen.append((progress.samples, progress.total))
+
+    image.more(3, callback=disturb)
+    assert seen[-1] == (3, 3) and image.film.samples_per_pixel == 4
+
+
 def test_two_scenes_in_two_threads(scene, tetrahedron):
     other = fathom.Scene()
     other.add_mesh(*tetrahedron)
