@@ -8,6 +8,7 @@ from conftest import ROOT, SMALL
 SCENE = ROOT / "scenes" / "cornell-box.json"
 
 
+@pytest.mark.filterwarnings("ignore::fathom.scene.SceneWarning")
 def test_options_of_the_issue(tmp_path, scene):
     scene.save(tmp_path / "model.glb")
     image = fathom.render(str(tmp_path / "model.glb"), size=(96, 54), spp=4)
@@ -43,6 +44,7 @@ def test_model_gets_camera_and_light_as_in_program(tmp_path, program, scene, tet
     assert any("camera" in note for note in image.notes) and any("studio" in note for note in image.notes)
 
 
+@pytest.mark.filterwarnings("ignore::fathom.scene.SceneWarning")
 def test_bytes_of_a_glb(tmp_path, scene):
     scene.save(tmp_path / "m.glb")
     by_path, by_bytes = (fathom.render(x, **SMALL) for x in (tmp_path / "m.glb", (tmp_path / "m.glb").read_bytes()))

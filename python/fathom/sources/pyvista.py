@@ -20,7 +20,7 @@ def to_scene(data: Any, up_axis: str, scalars: Any = None, cmap: Any = None, cli
     cmap : name of a colormap of Matplotlib, or a function from numbers 0 to 1 to RGBA (``"viridis"``)
     clim : (lowest, highest) value of the colormap; by default those of the scalars
     """
-    surface = (data if hasattr(data, "faces") else data.extract_surface()).triangulate()
+    surface = _surface(data).triangulate()
     vertices, faces = np.asarray(surface.points), np.asarray(surface.faces).reshape(-1, 4)[:, 1:]
     name = (surface.active_scalars_name if scalars is None else scalars) if scalars is not False else None
     if name is None:
@@ -34,6 +34,15 @@ def to_scene(data: Any, up_axis: str, scalars: Any = None, cmap: Any = None, cli
         vertices, colors = vertices[faces.reshape(-1)], colors.repeat(3, axis=0)
         faces = np.arange(len(vertices)).reshape(-1, 3)
     return meshes.to_scene(vertices, faces, up_axis=up_axis, material=material, colors=colors)
+
+
+def _surface(data: Any) -> Any:
+    if hasattr(data, "faces"):
+        return data
+    try:
+        return data.extract_surface(algorithm=None)
+    except TypeError:  # before PyVista 0.47
+        return data.extract_surface()
 
 
 def _colors(values: np.ndarray, cmap: Any, clim: Any) -> np.ndarray:
