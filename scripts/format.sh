@@ -10,7 +10,7 @@ if ! command -v "$format" >/dev/null; then
     echo "skipped: $format is not installed"
     exit 77
 fi
-mapfile -t files < <(find include src apps tests bench examples -name '*.h' -o -name '*.cpp' | sort)
+mapfile -t files < <(find include src apps python/src tests bench examples -name '*.h' -o -name '*.cpp' | sort)
 if [ "${1:-}" != --check ]; then
     exec "$format" -i "${files[@]}"
 fi

@@ -74,6 +74,8 @@ for station in stations:
 # Headers of src/ that the program may include besides the public ones: no user of the library needs them. Their functions
 # are exported, but the headers are not installed.
 program = {"base/text_file.h", "film/film_words.h"}
+# Folders of apps/ that the Python package may include.
+python_uses = {"commands", "options", "render", "report"}
 
 
 def layer(name):
@@ -118,8 +120,11 @@ def findings():
                 yield f"{where}: {mine} must not include {target}"
             elif target not in only.get((mine, other), {target}):
                 yield f"{where}: of {other}, {mine} may include only {', '.join(sorted(only[mine, other]))}"
-    for path in sorted(root.glob("include/**/*.h")) + sorted(root.glob("apps/**/*.[hc]*")):
+    bindings = root / "python" / "src"
+    for path in [*sorted(root.glob("include/**/*.h")), *sorted(root.glob("apps/**/*.[hc]*")), *sorted(bindings.glob("*.[hc]*"))]:
         for number, target in includes(path):
+            if path.parent == bindings and target.split("/")[0] in python_uses:
+                continue
             if path.is_relative_to(root / "apps") and target in program:
                 continue
             if layer(target) and not (path.parent / target).exists() and not (root / "apps" / target).exists():

@@ -181,19 +181,11 @@ int run_reported(RenderOptions& o)
     return o.json ? run_with_json_errors(o, reporter) : run_render(o, reporter);
 }
 
-void add_options(Command& command, RenderOptions& o)
-{
-    add_scene_options(command, o.scene);
-    add_render_options(command, o);
-    add_settings_options(command, o.settings);
-    add_image_options(command, o.images, "SCENE.png in the current folder; with --checkpoint, no other file");
-}
-
 }  // namespace
 
 void add_render(CLI::App& program, Run& run)
 {
-    add_command<RenderOptions>(program, run, render_text, add_options, run_reported);
+    add_command<RenderOptions>(program, run, render_text, add_all_render_options, run_reported);
 }
 
 }  // namespace fathom::cli

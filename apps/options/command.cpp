@@ -66,8 +66,9 @@ Command::Command(CLI::App& program, const CommandText& text)
     app_.set_help_flag("-h,--help", "print this help and exit");
 }
 
-CLI::Option& Command::described(CLI::Option* option, const OptionText& text) const
+CLI::Option& Command::described(CLI::Option* option, const OptionText& text)
 {
+    texts_.push_back(text);
     return *option->type_name(text.value)->default_str(text.default_text)->group(group_);
 }
 

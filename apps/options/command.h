@@ -47,6 +47,8 @@ public:
     void add_positional(const std::string& name, std::filesystem::path& file, const std::string& help);
     void add_positionals(const std::string& name, std::vector<std::filesystem::path>& files, const std::string& help);
 
+    /// Descriptions of the options added so far, positional arguments excluded.
+    const std::vector<OptionText>& texts() const { return texts_; }
     /// Number of options added so far.
     std::size_t option_count() const;
     /// The given options from number `first` to before `last`, spelled as words of a command line. Positional arguments
@@ -57,11 +59,12 @@ public:
     void set_run(Run& run, Run action);
 
 private:
-    CLI::Option& described(CLI::Option* option, const OptionText& text) const;
+    CLI::Option& described(CLI::Option* option, const OptionText& text);
 
     CLI::App& app_;
     std::string group_ = "Options";
     std::vector<const CLI::Option*> file_lists_;  ///< created by add_files
+    std::vector<OptionText> texts_;
 };
 
 /// Adds a command that fills options of its own and runs with them.

@@ -201,6 +201,19 @@ void add_render_options(Command& command, RenderOptions& o)
     add_report_options(command, o);
 }
 
+void add_other_render_options(Command& command, RenderOptions& o)
+{
+    add_render_options(command, o);
+    add_settings_options(command, o.settings);
+    add_image_options(command, o.images, "SCENE.png in the current folder; with --checkpoint, no other file");
+}
+
+void add_all_render_options(Command& command, RenderOptions& o)
+{
+    add_scene_options(command, o.scene);
+    add_other_render_options(command, o);
+}
+
 void check_options(RenderOptions& o)
 {
     for (fs::path& output : o.images.outputs) output = named_output(output, o);

@@ -59,6 +59,10 @@ void add_film_options(Command& command, FilmOptions& options);
 void add_every_option(Command& command, CheckpointOptions& options);
 /// Adds all options except those of scene, settings and images.
 void add_render_options(Command& command, RenderOptions& options);
+/// Adds all options of `fathom render` except those of add_scene_options().
+void add_other_render_options(Command& command, RenderOptions& options);
+/// Adds all options of `fathom render`.
+void add_all_render_options(Command& command, RenderOptions& options);
 /// Throws UsageError for options that contradict each other, and fills in what follows from them.
 void check_options(RenderOptions& options);
 

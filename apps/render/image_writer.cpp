@@ -115,14 +115,19 @@ ImageWriter::ImageWriter(const RenderPlan& plan, const ImageOptions& files, Repo
 {
 }
 
-bool ImageWriter::write(const Film& film, const Summary& summary)
+Image ImageWriter::image(const Film& film, const Summary& summary) const
 {
     Image image = film.image(plan_.settings.alpha, plan_.film.aov_variance);
     if (plan_.film.aov_error) image.layers.push_back(standard_error(film));
     if (plan_.film.aov_samples) image.layers.push_back(sample_count_layer(film));
     image.attributes = image_attributes(plan_, film, summary);
     if (plan_.denoiser) add_denoised(image, *plan_.denoiser, plan_.film.aovs);
-    return write_images(files_, image, plan_.film.mergeable ? &film : nullptr, plan_.write, reporter_);
+    return image;
+}
+
+bool ImageWriter::write(const Film& film, const Summary& summary)
+{
+    return write_images(files_, image(film, summary), plan_.film.mergeable ? &film : nullptr, plan_.write, reporter_);
 }
 
 std::map<std::string, std::string> ImageWriter::checkpoint_attributes(const Film& film, const Summary& summary,
@@ -134,11 +139,16 @@ std::map<std::string, std::string> ImageWriter::checkpoint_attributes(const Film
     return attributes;
 }
 
-void ImageWriter::report_result(const Film& film, const Summary& summary, bool was_interrupted, const ErrorEnd& error)
+void ImageWriter::report_noise(const Film& film, const ErrorEnd& error)
 {
     report_error(film, error, reporter_);
     if (!plan_.denoiser) report_fireflies(film, plan_.write.display, reporter_);
     warn_about_dropped_samples(film, reporter_);
+}
+
+void ImageWriter::report_result(const Film& film, const Summary& summary, bool was_interrupted, const ErrorEnd& error)
+{
+    report_noise(film, error);
     if (was_interrupted)
         reporter_.note(fmt::format("interrupted: the image has {} samples per pixel", film.samples_per_pixel()));
     reporter_.summary(summary);

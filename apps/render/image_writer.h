@@ -19,11 +19,16 @@ class ImageWriter {
 public:
     ImageWriter(const RenderPlan& plan, const ImageOptions& files, Reporter& reporter);
 
+    /// The image of a film: its layers, those of the options, attributes, and the denoised layer if there is a
+    /// denoiser.
+    Image image(const Film& film, const Summary& summary) const;
     /// False if a file could not be written, which is reported.
     bool write(const Film& film, const Summary& summary);
     /// Attributes of a checkpoint of the film.
     std::map<std::string, std::string> checkpoint_attributes(const Film& film, const Summary& summary,
                                                              double samples_per_s) const;
+    /// Reports the error, fireflies and dropped samples.
+    void report_noise(const Film& film, const ErrorEnd& error);
     /// Reports the render once all is written.
     void report_result(const Film& film, const Summary& summary, bool was_interrupted, const ErrorEnd& error);
 

@@ -5,12 +5,12 @@
 
 #include "commands/commands.h"
 #include "options/sample_plan.h"
-#include "process/interrupt.h"
 
 namespace fathom::cli {
 
-Rendering::Rendering(const RenderJob& job, std::optional<double> time_s, ErrorWatch& watch, Reporter& reporter)
-    : job_(job), time_s_(time_s), watch_(watch), reporter_(reporter), start_s_(seconds_since_start())
+Rendering::Rendering(const RenderJob& job, std::optional<double> time_s, ErrorWatch& watch,
+                     const std::atomic<bool>& cancel, Reporter& reporter)
+    : job_(job), time_s_(time_s), watch_(watch), cancel_(cancel), reporter_(reporter), start_s_(seconds_since_start())
 {
     const RenderSettings& settings = job.settings();
     const Crop crop = settings.rendered_pixels();
@@ -62,10 +62,16 @@ void Rendering::render_range(Film& film, SampleRange range)
         after_pass_(so_far);
         if (!watch_.has_goal() && so_far.samples_per_pixel() >= watch_.next_look()) watch_.look(so_far);
     };
-    was_interrupted = !render(job_, range, film, &interrupted(), on_pass);
+    was_interrupted = !render(job_, range, film, &cancel_, on_pass);
     done_ += was_interrupted ? last.samples_done : pixels_ * (range.second - range.first);
     costs += last.costs;
     report({}, !was_interrupted);
+}
+
+const char* Rendering::end() const
+{
+    if (was_interrupted) return "the render was interrupted";
+    return was_time_up ? "the time is up" : "all samples are rendered";
 }
 
 double Rendering::fraction_done(std::uint64_t samples_done, double now_s) const

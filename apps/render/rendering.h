@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include <atomic>
 #include <functional>
 #include <optional>
 #include <vector>
@@ -13,7 +14,9 @@ namespace fathom::cli {
 class Rendering {
 public:
     /// time_s  limit from the program's start on; none: all samples are rendered
-    Rendering(const RenderJob& job, std::optional<double> time_s, ErrorWatch& watch, Reporter& reporter);
+    /// cancel  rendering stops soon after it becomes true
+    Rendering(const RenderJob& job, std::optional<double> time_s, ErrorWatch& watch, const std::atomic<bool>& cancel,
+              Reporter& reporter);
 
     /// Renders the samples of `wanted` that the film does not have yet, until the time is up or the error small enough.
     ///
@@ -24,6 +27,8 @@ public:
     RenderCosts costs;
     bool was_interrupted = false;
     bool was_time_up = false;
+    /// Why rendering ended, unless the error was small enough.
+    const char* end() const;
 
 private:
     /// Number of samples to render next, of at most `most`; 0: the time is up.
@@ -36,6 +41,7 @@ private:
     const RenderJob& job_;
     std::optional<double> time_s_;
     ErrorWatch& watch_;
+    const std::atomic<bool>& cancel_;
     Reporter& reporter_;
     std::function<void(const Film&)> after_pass_;
     double start_s_;

@@ -191,10 +191,9 @@ std::size_t chosen_animation(SceneFileContents& file, const std::string& wanted)
     return 0;
 }
 
-/// Loads the pose at rest, or the one of the options' time and a player for the others.
-SceneDescription load_pose(const SceneOptions& options, LoadedScene& loaded, Warnings& warnings)
+/// The scene in its pose at rest, or in the pose of the options' time, with a player for other times.
+SceneDescription set_first_pose(SceneFileContents file, const SceneOptions& options, LoadedScene& loaded)
 {
-    SceneFileContents file = load_scene_file(options.file, load_options(options), warnings);
     if (!options.at_s) {
         loaded.note = animations_note(file.rig.animations);
         return std::move(file.scene);
@@ -256,8 +255,14 @@ LoadedScene load_for_render(const SceneOptions& options, Reporter& reporter, War
 {
     const Reporter::Phase phase(reporter, "load", "reading " + options.file.string());
     check_scene_options(options);
+    return set_up_scene(load_scene_file(options.file, load_options(options), warnings), options);
+}
+
+LoadedScene set_up_scene(SceneFileContents file, const SceneOptions& options)
+{
+    check_scene_options(options);
     LoadedScene loaded;
-    SceneDescription& scene = loaded.description = load_pose(options, loaded, warnings);
+    SceneDescription& scene = loaded.description = set_first_pose(std::move(file), options, loaded);
     if (!options.environment.empty()) use_environment(scene, options.environment);
     if (options.sky) use_sky(scene, options);
     adjust_environment(scene.environment, options);

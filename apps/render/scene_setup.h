@@ -30,6 +30,9 @@ struct LoadedScene {
 /// Loads the file and applies the options; reports progress, what was added and what else could be shown. Throws Error
 /// and UsageError.
 LoadedScene load_for_render(const SceneOptions& options, Reporter& reporter, Warnings& warnings);
+/// Applies the options to a scene that was read already: all of them except those of load_options(). Throws Error and
+/// UsageError.
+LoadedScene set_up_scene(SceneFileContents file, const SceneOptions& options);
 void report_added(const LoadedScene& loaded, Reporter& reporter);
 
 /// The scene to compile and to change for further images. Takes the description out of `loaded`.

@@ -21,7 +21,7 @@ int render_image(const RenderPlan& plan, const ImageOptions& files, const Render
 
     ImageWriter images(plan, files, reporter);
     ErrorWatch watch(plan.samples.error);
-    Rendering rendering(job, plan.samples.time_s, watch, reporter);
+    Rendering rendering(job, plan.samples.time_s, watch, interrupted(), reporter);
     const double start_s = seconds_since_start();
     const auto save = [&](const Film& now) {
         const double per_s = double(now.samples_per_pixel() - samples_before) / (seconds_since_start() - start_s);
@@ -45,10 +45,7 @@ int render_image(const RenderPlan& plan, const ImageOptions& files, const Render
     const bool all_written = images.write(film, summary);
     if (checkpoint) checkpoint->finish();
     summary.write_s = seconds_since_start() - write_start_s;
-    const char* const end = rendering.was_interrupted ? "the render was interrupted"
-                            : rendering.was_time_up   ? "the time is up"
-                                                      : "all samples are rendered";
-    images.report_result(film, summary, rendering.was_interrupted, {watch, end});
+    images.report_result(film, summary, rendering.was_interrupted, {watch, rendering.end()});
     if (!all_written) return exit_error;
     if (rendering.was_interrupted) return exit_interrupted;
     return watch.has_goal() && !watch.is_reached() ? exit_not_reached : exit_ok;

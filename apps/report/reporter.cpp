@@ -95,14 +95,15 @@ bool Reporter::is_quiet() const
     return mode_ == ReportMode::quiet || mode_ == ReportMode::silent;
 }
 
-void Reporter::forward_errors(std::function<void(const std::string&)> handler)
+void Reporter::forward(ReportHandlers handlers)
 {
     mode_ = ReportMode::silent;
-    error_handler_ = std::move(handler);
+    handlers_ = std::move(handlers);
 }
 
 void Reporter::note(const std::string& text)
 {
+    if (mode_ == ReportMode::silent && handlers_.note) handlers_.note(text);
     if (is_quiet()) return;
     if (mode_ == ReportMode::json) return print_event({{"event", "note"}, {"message", text}});
     end_open_line();
@@ -111,7 +112,10 @@ void Reporter::note(const std::string& text)
 
 void Reporter::warnings(const Warnings& warnings)
 {
-    if (mode_ == ReportMode::silent) return;
+    if (mode_ == ReportMode::silent) {
+        if (handlers_.warnings) handlers_.warnings(warnings);
+        return;
+    }
     end_open_line();
     for (const auto& [message, count] : warnings.counts()) {
         if (mode_ == ReportMode::json)
@@ -125,7 +129,7 @@ void Reporter::warnings(const Warnings& warnings)
 void Reporter::error(const std::string& text)
 {
     if (mode_ == ReportMode::silent) {
-        if (error_handler_) error_handler_(text);
+        if (handlers_.error) handlers_.error(text);
         return;
     }
     end_open_line();

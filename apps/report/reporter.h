@@ -29,14 +29,20 @@ struct Summary {
     RenderCosts costs;
 };
 
+/// Receivers of reports that are not printed. An empty one drops its reports.
+struct ReportHandlers {
+    std::function<void(const std::string&)> note, error;
+    std::function<void(const Warnings&)> warnings;
+};
+
 /// Prints progress, notes, warnings, errors and summaries to stderr.
 class Reporter {
 public:
     explicit Reporter(ReportMode mode) : mode_(mode) {}
 
     ReportMode mode() const { return mode_; }
-    /// From here on, errors go to `handler`, and nothing is printed.
-    void forward_errors(std::function<void(const std::string&)> handler);
+    /// From here on, reports go to `handlers`, and nothing is printed.
+    void forward(ReportHandlers handlers);
     void note(const std::string& text);
     void warnings(const Warnings& warnings);
     void error(const std::string& text);
@@ -80,7 +86,7 @@ private:
     double interval_s() const;
 
     ReportMode mode_;
-    std::function<void(const std::string&)> error_handler_;
+    ReportHandlers handlers_;  ///< used in mode silent
     double last_s_ = -1e9;
     std::uint64_t last_samples_ = 0;  ///< samples of the last progress report
     bool has_open_line_ = false;      ///< the cursor is behind a progress bar

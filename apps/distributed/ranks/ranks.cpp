@@ -370,7 +370,9 @@ int Ranks::end_run(int code, const std::string& error, bool is_own, Reporter& re
 
 int Ranks::run(const std::function<int()>& work, Reporter& reporter)
 {
-    if (!leads()) reporter.forward_errors([this](const std::string& error) { send(0, "tells", error); });
+    if (!leads())
+        reporter.forward(
+            {.note = {}, .error = [this](const std::string& error) { send(0, "tells", error); }, .warnings = {}});
     try {
         exchange_places();
         int code = work();

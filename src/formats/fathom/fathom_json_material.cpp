@@ -107,7 +107,12 @@ void FathomJsonReader::read_textures()
 
 int FathomJsonReader::texture(const JsonValue& v, Use use)
 {
-    if (v.is_object()) return add_texture(v, "", use);
+    if (v.is_object()) {
+        if (!shared_textures_) return add_texture(v, "", use);
+        const auto [found, is_new] = shared_textures_->try_emplace({v.json().dump(), use}, -1);
+        if (is_new || found->second < 0) found->second = add_texture(v, "", use);
+        return found->second;
+    }
     if (!v.is_string()) v.fail_type("the name of a texture, or a texture");
     const std::string& name = v.string();
     if (open_textures_.contains(name)) v.fail(fmt::format("texture '{}' contains itself", name));

@@ -51,6 +51,8 @@ public:
     SceneDescription read();
 
 private:
+    friend class SceneBuilder;  // adds single objects to a scene
+
     /// The purpose of a texture decides how an 8-bit image is decoded if the file doesn't specify its color space.
     enum class Use { color, data };
     enum class State { unread, reading, read };
@@ -165,6 +167,8 @@ private:
     std::map<std::string, int> images_;
     MeasuredFiles measured_{context_, scene_};
     std::map<std::pair<std::string, Use>, int> textures_;
+    /// Textures defined in place, by their JSON: SceneBuilder adds equal ones once. Nothing in the reader of a file.
+    std::optional<std::map<std::pair<std::string, Use>, int>> shared_textures_;
     std::set<std::string> open_textures_;  ///< named textures being read; detects cycles
     std::map<std::string, bool> decoded_by_use_;
     std::map<std::string, int> materials_, meshes_, curves_, points_;

@@ -320,6 +320,7 @@ int FathomJsonReader::data(const JsonValue& v, const std::map<std::string, int>&
 {
     if (v.is_object()) return (this->*add)(v, "");
     if (!v.is_string()) v.fail_type(fmt::format("the name of a {0}, or a {0}", what).c_str());
+    if (const auto found = named.find(v.string()); found != named.end()) return found->second;
     find(table_name, what, v);
     return named.at(v.string());
 }
