@@ -74,7 +74,6 @@ struct SceneBuilder::Data {
     {
         reader.scene_ = std::move(description);
         reader.shared_textures_.emplace();
-        for (int i = 0; i < int(reader.scene_.images.size()); ++i) reader.images_[index_name(i)] = i;
         name_new_objects();
     }
 
@@ -87,6 +86,7 @@ struct SceneBuilder::Data {
         };
         const auto plain = [](std::string text) { return text; };
         const auto color = [](std::string text) { return std::pair(std::move(text), FathomJsonReader::Use::color); };
+        add(reader.images_, images, scene.images.size(), plain);
         add(reader.textures_, textures, scene.textures.size(), color);
         add(reader.materials_, materials, scene.materials.size(), plain);
         add(reader.meshes_, meshes, scene.meshes.size(), plain);
@@ -115,7 +115,7 @@ struct SceneBuilder::Data {
     JsonValue root;
     LoadContext context;
     FathomJsonReader reader;
-    int textures = 0, materials = 0, meshes = 0;  ///< number of objects that are known by index
+    int images = 0, textures = 0, materials = 0, meshes = 0;  ///< number of objects that are known by index
 };
 
 SceneBuilder::SceneBuilder(SceneDescription scene, const std::filesystem::path& folder)
