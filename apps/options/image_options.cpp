@@ -53,9 +53,9 @@ void add_ocio_options(Command& command, ImageOptions& options)
 
 }  // namespace
 
-bool is_exr(const ImageOptions& options, const std::filesystem::path& file)
+bool is_exr(const std::string& format, const std::filesystem::path& file)
 {
-    if (!options.format.empty()) return options.format == "exr";
+    if (!format.empty()) return format == "exr";
     std::string extension = file.extension().string();
     for (char& c : extension) c = char(std::tolower(static_cast<unsigned char>(c)));
     return extension == ".exr";
@@ -129,7 +129,7 @@ void add_image_options(Command& command, ImageOptions& options, const std::strin
 bool writes_exr(const ImageOptions& options)
 {
     return std::any_of(options.outputs.begin(), options.outputs.end(),
-                       [&](const std::filesystem::path& file) { return is_exr(options, file); });
+                       [&](const std::filesystem::path& file) { return is_exr(options.format, file); });
 }
 
 WriteOptions resolve_write_options(const ImageOptions& options, const RenderHints& hints, Reporter& reporter)

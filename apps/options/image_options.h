@@ -38,7 +38,8 @@ void add_display_options(Command& command, ImageOptions& options);
 ///
 /// default_output  what -o is without the option
 void add_image_options(Command& command, ImageOptions& options, const std::string& default_output);
-bool is_exr(const ImageOptions& options, const std::filesystem::path& file);
+/// Whether an image is written as EXR. format: ImageOptions::format
+bool is_exr(const std::string& format, const std::filesystem::path& file);
 /// Adds --output-format.
 void add_output_format(Command& command, ImageOptions& options);
 bool writes_exr(const ImageOptions& options);

@@ -59,15 +59,15 @@ bool write_images(const ImageOptions& options, const Image& image, const Film* s
     const Image shown = display_image(image);
     for (const auto& file : options.outputs) {
         const auto write_to = [&](const fs::path& target) {
-            if (is_exr(options, file) && sums)
+            if (is_exr(options.format, file) && sums)
                 write_film(target, *sums, image, write);
             else
-                write_image(target, is_exr(options, file) ? image : shown, write);
+                write_image(target, is_exr(options.format, file) ? image : shown, write);
         };
         try {
             write_to(file);
             reporter.written(file.string());
-            if (write.exr_half && is_exr(options, file)) report_float_layers(file, image, reporter);
+            if (write.exr_half && is_exr(options.format, file)) report_float_layers(file, image, reporter);
         } catch (const Error& error) {
             // The render may have taken hours, so its image is saved elsewhere if possible.
             reporter.error(error.what());

@@ -48,7 +48,9 @@ nb::object rgba(const Layers& layers, const std::vector<std::string>& words)
 void save(const Layers& layers, const std::filesystem::path& file, const std::vector<std::string>& words)
 {
     const nb::gil_scoped_release release;
-    write_image(file, cli::is_exr(file) ? *layers.image : display_image(*layers.image), layers.display.resolve(words));
+    const WriteOptions options = layers.display.resolve(words);
+    const bool is_exr = cli::is_exr(options.format, file);
+    write_image(file, is_exr ? *layers.image : display_image(*layers.image), options);
 }
 
 }  // namespace
