@@ -22,7 +22,8 @@ std::uint64_t round_up(double samples)
 void ErrorWatch::look(const Film& film)
 {
     const double samples = double(film.samples_per_pixel());
-    next_look_ = round_up(2 * samples);
+    // Without a goal, looks only serve the forecast.
+    next_look_ = round_up((has_goal() ? 2 : 4) * samples);
     const std::optional<ImageError> estimate =
         estimate_error(film, options_.metric, has_goal() ? ErrorProbes::deciding : ErrorProbes::all);
     if (!estimate) return;

@@ -43,7 +43,7 @@ private:
     ErrorOptions options_;
     std::vector<Look> looks_;
     bool is_reached_ = false;
-    std::uint64_t next_look_ = 16, expected_samples_ = 0;
+    std::uint64_t next_look_ = 8, expected_samples_ = 0;
 };
 
 }  // namespace fathom::cli

@@ -18,45 +18,65 @@ using Row = std::vector<ChannelMoments>;
 constexpr std::size_t reach = 2;
 using Rows = std::array<Row, 2 * reach + 1>;
 
-/// A channel of the up to 24 pixels around a pixel: mean, mean of squares, and mean variance due to noise.
-struct Neighbors {
+/// Sums over pixels, by channel: means, their squares, and variances due to noise.
+struct NeighborSums {
     int count = 0;
-    double mean = 0, square = 0, variance = 0;
+    Channels mean{}, square{}, variance{};
 
-    Neighbors(const Rows& rows, std::size_t x, std::size_t channel)
+    void add(const ChannelMoments& m, double sign = 1)
     {
-        for (std::size_t v = 0; v < rows.size(); ++v)
-            for (std::size_t u = x - std::min(x, reach); u < std::min(rows[v].size(), x + reach + 1); ++u) {
-                if (v == reach && u == x) continue;
-                const double value = rows[v][u].mean[channel];
-                mean += value;
-                square += value * value;
-                variance += rows[v][u].all_variance(channel);
-                ++count;
-            }
-        if (count > 0) mean /= count, square /= count, variance /= count;
+        for (std::size_t c = 0; c < 3; ++c) {
+            mean[c] += sign * m.mean[c];
+            square[c] += sign * m.mean[c] * m.mean[c];
+            variance[c] += sign * m.all_variance(c);
+        }
+        count += int(sign);
+    }
+    void add(const NeighborSums& o)
+    {
+        for (std::size_t c = 0; c < 3; ++c)
+            mean[c] += o.mean[c], square[c] += o.square[c], variance[c] += o.variance[c];
+        count += o.count;
     }
 };
+
+/// The sums of each column of the rows.
+std::vector<NeighborSums> column_sums(const Rows& rows)
+{
+    std::vector<NeighborSums> sums(rows[reach].size());
+    for (const Row& row : rows)
+        for (std::size_t x = 0; x < row.size(); ++x) sums[x].add(row[x]);
+    return sums;
+}
+
+/// The sums of the up to 24 pixels around a pixel.
+NeighborSums sums_around(const std::vector<NeighborSums>& columns, std::size_t x, const ChannelMoments& own)
+{
+    NeighborSums sums;
+    for (std::size_t u = x - std::min(x, reach); u < std::min(columns.size(), x + reach + 1); ++u) sums.add(columns[u]);
+    sums.add(own, -1);
+    return sums;
+}
 
 /// Weight of the squared error of a pixel's channel: 1 / (r^2 + 0.01), where r is the value without noise.
 ///
 /// The pixel itself is no good estimate of r, since it contains the error: a bright outlier would hide itself. As in
 /// empirical Bayes estimation, r^2 is therefore taken from the pixel (its squared mean minus the variance) and from the
 /// mean of its neighbors, in proportion to how much of their variation is due to the image and to noise.
-double relative_weight(const Rows& rows, std::size_t x, std::size_t channel)
+double relative_weight(const ChannelMoments& own, const NeighborSums& around, std::size_t channel)
 {
     constexpr double floor = 0.01;
-    const ChannelMoments& own = rows[reach][x];
     const double value = own.mean[channel], own_variance = own.all_variance(channel);
     const double own_square = std::max(0.0, value * value - own_variance);
-    const Neighbors around(rows, x, channel);
     if (around.count == 0) return 1 / (own_square + floor);
-    const double noise = std::max(own_variance, around.variance);
-    const double of_image = std::max(0.0, around.square - around.mean * around.mean - around.variance);
+    const double scale = 1.0 / around.count;
+    const double mean = around.mean[channel] * scale, variance = std::max(0.0, around.variance[channel] * scale);
+    const double noise = std::max(own_variance, variance);
+    const double of_image = std::max(0.0, around.square[channel] * scale - mean * mean - variance);
     const double share = noise + of_image > 0 ? noise / (noise + of_image) : 1;
-    const double square = share * around.mean * around.mean + (1 - share) * own_square;
+    const double square = share * mean * mean + (1 - share) * own_square;
     // Noise in the estimate would on average increase the weight.
-    return 1 / (square + floor + around.variance / around.count);
+    return 1 / (square + floor + variance * scale);
 }
 
 /// Evaluates the terms of a film row by row.
@@ -86,9 +106,11 @@ public:
             for (int y = range.begin(); y < range.end(); ++y) {
                 std::rotate(rows.begin(), rows.begin() + 1, rows.end());
                 rows.back() = row(y + int(reach));
-                for (std::size_t x = 0; x < rows[reach].size(); ++x) {
+                const Row& row = rows[reach];
+                const std::vector<NeighborSums> columns = column_sums(rows);
+                for (std::size_t x = 0; x < row.size(); ++x) {
                     const bool is_probe = probe != probes_.end() && probe->y == y && probe->x - inside_.x0 == int(x);
-                    evaluate_pixel(rows, x, y, is_probe ? &*probe++ : nullptr);
+                    evaluate_pixel(row[x], sums_around(columns, x, row[x]), x, y, is_probe ? &*probe++ : nullptr);
                 }
             }
         });
@@ -102,13 +124,12 @@ private:
             row.push_back(moments_.of(x, y));
         return row;
     }
-    void evaluate_pixel(const Rows& rows, std::size_t x, int y, const Probe* probe)
+    void evaluate_pixel(const ChannelMoments& m, const NeighborSums& around, std::size_t x, int y, const Probe* probe)
     {
-        const ChannelMoments& m = rows[reach][x];
         Channels weight{1.0 / 3, 1.0 / 3, 1.0 / 3};
         double paths = 0, splats = 0;
         for (std::size_t c = 0; c < 3; ++c) {
-            if (is_relative_) weight[c] *= relative_weight(rows, x, c);
+            if (is_relative_) weight[c] *= relative_weight(m, around, c);
             paths += weight[c] * m.variance[c];
             splats += weight[c] * m.splat_variance[c];
         }

@@ -38,7 +38,8 @@ fs::path kernel_folder()
     const fs::path own = own_folder();
     std::error_code error;
     const fs::path beside_bin = own / ".." / "lib" / "fathom";
-    return fs::exists(own / "fathom", error) || !fs::exists(beside_bin, error) ? own / "fathom" : beside_bin;
+    return fs::is_directory(own / "fathom", error) || !fs::is_directory(beside_bin, error) ? own / "fathom"
+                                                                                           : beside_bin;
 }
 
 struct OpenKernel {

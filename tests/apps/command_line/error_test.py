@@ -47,15 +47,15 @@ class ErrorOfTheImage(CommandLine):
         self.assertEqual(*(Path(self.path(name)).read_bytes() for name in ("with.png", "without.png")))
 
     def test_stops_when_it_is_small(self):
-        first = self.estimate("--error", "2%", "--threads", "1")
+        first = self.estimate("--error", "0.6%", "--threads", "1")
         self.assertTrue(first["reached"])
-        self.assertAlmostEqual(first["error"], 0.02, delta=0.005)
-        self.assertEqual(first, self.estimate("--error", "0.02", "--threads", "2"))
-        finer = self.estimate("--error", "1%")
+        self.assertAlmostEqual(first["error"], 0.006, delta=0.0015)
+        self.assertEqual(first, self.estimate("--error", "0.006", "--threads", "2"))
+        finer = self.estimate("--error", "0.3%")
         self.assertGreater(finer["samples_per_pixel"], 1.5 * first["samples_per_pixel"])
         # The number of samples in a scene file does not count, but that of an option does.
         self.scene("balls.json", SCENE.replace('"fathom": 1', '"fathom": 1, "render": {"samples": 2}'))
-        self.assertEqual(self.estimate("--error", "2%")["samples_per_pixel"], first["samples_per_pixel"])
+        self.assertEqual(self.estimate("--error", "0.6%")["samples_per_pixel"], first["samples_per_pixel"])
 
     def test_says_when_it_is_not_reached(self):
         text = self.render("--error", "0.5%", "--spp", "16", "-o", "a.png", code=3)
