@@ -49,7 +49,9 @@ class ErrorOfTheImage(CommandLine):
     def test_stops_when_it_is_small(self):
         first = self.estimate("--error", "0.6%", "--threads", "1")
         self.assertTrue(first["reached"])
-        self.assertAlmostEqual(first["error"], 0.006, delta=0.0015)
+        self.assertLess(first["error"], 0.0066)
+        half = self.estimate("--spp", str(first["samples_per_pixel"] // 2))
+        self.assertGreater(half["high"], 0.8 * 0.006, "half of the samples would have been enough")
         self.assertEqual(first, self.estimate("--error", "0.006", "--threads", "2"))
         finer = self.estimate("--error", "0.3%")
         self.assertGreater(finer["samples_per_pixel"], 1.5 * first["samples_per_pixel"])
