@@ -14,7 +14,7 @@ packages_to_build=(
 # OpenColorIO is optional: a program linked with it starts about 2 ms later.
 packages_to_test=(
     clang-format-19 libgtest-dev libbenchmark-dev libembree-dev libopencolorio-dev
-    git zsh fish groff python3 python3-jsonschema python3-yaml xvfb xdotool imagemagick slurm-wlm munge openmpi-bin libopenmpi-dev
+    git zsh fish groff python3 python3-dev python3-venv python3-jsonschema python3-yaml xvfb xdotool imagemagick slurm-wlm munge openmpi-bin libopenmpi-dev
 )
 
 # Tools of scripts/package.sh.
