@@ -22,8 +22,8 @@ std::uint64_t round_up(double samples)
 void ErrorWatch::look(const Film& film)
 {
     const double samples = double(film.samples_per_pixel());
-    // Without a goal, looks only serve the forecast.
-    next_look_ = round_up((has_goal() ? 2 : 4) * samples);
+    // Without a goal, looks only serve the forecast. In fast scenes they would take noticeable time.
+    next_look_ = round_up((has_goal() ? 2 : 8) * samples);
     const std::optional<ImageError> estimate =
         estimate_error(film, options_.metric, has_goal() ? ErrorProbes::deciding : ErrorProbes::all);
     if (!estimate) return;
@@ -32,7 +32,7 @@ void ErrorWatch::look(const Film& film)
     is_reached_ = estimate->high <= *options_.goal && estimate->is_reliable();
     if (is_reached_ || !estimate->is_reliable()) return;
     constexpr double margin = 1.05;
-    const double needed = margin * samples * std::pow(estimate->high / *options_.goal, 1 / rate());
+    const double needed = margin * samples * std::pow(estimate->high / *options_.goal, 1 / rate(looks_));
     expected_samples_ = round_up(needed);
     next_look_ = std::min(next_look_, round_up(std::max(needed, samples + 1)));
 }
@@ -42,12 +42,15 @@ std::optional<ImageError> ErrorWatch::final_error(const Film& film) const
     return estimate_error(film, options_.metric, has_goal() ? ErrorProbes::reporting : ErrorProbes::all);
 }
 
-double ErrorWatch::decrease(double factor) const
+double ErrorWatch::forecast(const Film& film, double error, double factor) const
 {
-    return std::pow(factor, -rate());
+    std::vector<Look> looks = looks_;
+    const double samples = double(film.samples_per_pixel());
+    if (looks.empty() || looks.back().samples != samples) looks.push_back({samples, error});
+    return error * std::pow(factor, -rate(looks));
 }
 
-double ErrorWatch::rate() const
+double ErrorWatch::rate(const std::vector<Look>& looks)
 {
     // Independent samples have a rate of 0.5, and the best that evenly spread ones reach is 1.
     constexpr double independent = 0.5, best = 1;
@@ -55,12 +58,12 @@ double ErrorWatch::rate() const
     constexpr double prior = 0.12;
     constexpr std::size_t latest = 4;
     double xy = 0, xx = 0;
-    const std::size_t first = looks_.size() - std::min(latest, looks_.size());
-    for (std::size_t i = first; i < looks_.size(); ++i)
+    const std::size_t first = looks.size() - std::min(latest, looks.size());
+    for (std::size_t i = first; i < looks.size(); ++i)
         for (std::size_t j = first; j < i; ++j) {
-            if (!(looks_[i].error > 0 && looks_[j].error > 0)) continue;
-            const double x = std::log(looks_[i].samples / looks_[j].samples);
-            xy += x * std::log(looks_[j].error / looks_[i].error), xx += x * x;
+            if (!(looks[i].error > 0 && looks[j].error > 0)) continue;
+            const double x = std::log(looks[i].samples / looks[j].samples);
+            xy += x * std::log(looks[j].error / looks[i].error), xx += x * x;
         }
     return std::clamp((xy + prior * independent) / (xx + prior), 0.25, best);
 }

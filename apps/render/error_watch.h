@@ -30,15 +30,15 @@ public:
 
     /// The final report: by probes that did not decide when to stop.
     std::optional<ImageError> final_error(const Film& film) const;
-    /// The factor by which the error falls if the number of samples grows by another factor.
-    double decrease(double factor) const;
+    /// The error to expect after `factor` times as many samples as the film has, whose error is `error`.
+    double forecast(const Film& film, double error, double factor) const;
 
 private:
     struct Look {
         double samples, error;
     };
-    /// The exponent b of the law error ~ samples^-b that fits the looks.
-    double rate() const;
+    /// The exponent b of the law error ~ samples^-b that fits looks.
+    static double rate(const std::vector<Look>& looks);
 
     ErrorOptions options_;
     std::vector<Look> looks_;

@@ -88,7 +88,7 @@ void report_error(const Film& film, const ErrorEnd& end, Reporter& reporter)
     const std::optional<ImageError> error = watch.final_error(film);
     if (!error) return;
     ErrorReport report{*error, watch.options().metric, film.samples_per_pixel()};
-    report.after_twice = error->error * watch.decrease(2);
+    report.after_twice = watch.forecast(film, error->error, 2);
     report.goal = watch.options().goal;
     report.is_reached = watch.is_reached();
     report.end = end.end;
