@@ -23,7 +23,7 @@ std::string names_of(const std::vector<CommandTable>& commands)
     return fmt::format("{}", fmt::join(names, " "));
 }
 
-/// What bash proposes for the value of an option.
+/// Returns the shell code by which bash proposes values of an option.
 std::string bash_values(const OptionTable& option)
 {
     if (const auto words = option.choices(); !words.empty())

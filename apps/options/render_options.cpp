@@ -63,7 +63,7 @@ void add_sample_options(Command& command, SampleOptions& o)
     command.add_value({"--error", "E|off",
                        "stop once the error of the image, such as 2% or 0.02, is below E with 95 % confidence; with "
                        "--spp and --time, whichever comes first (exit code 3 if E was not reached). off: do not "
-                       "estimate the error, which costs about 5 % of the time",
+                       "estimate the error, which costs 5 to 10 % of the time",
                        "estimate it only"},
                       [&](const std::string& text) { parse_error_goal(o.error, text); });
     command.add_value({"--error-metric", "relative|absolute|worst-block",

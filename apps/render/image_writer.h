@@ -8,7 +8,7 @@
 
 namespace fathom::cli {
 
-/// What is known about the error at the end of a render.
+/// The watched error of a render that has ended, and why it ended.
 struct ErrorEnd {
     const ErrorWatch& watch;
     const char* end = "";  ///< why the render ended, unless the error was reached

@@ -37,7 +37,6 @@ void Rendering::run(Film& film, SampleRange wanted, std::function<void(const Fil
             rendered_ += count;
             // Only the latest range counts: the first ones are slower, since caches are cold.
             sample_s_ = std::max((seconds_since_start() - begin_s) / double(count), 1e-9);
-            if (!was_interrupted && film.samples_per_pixel() >= watch_.next_look()) watch_.look(film);
         }
     render_s = seconds_since_start() - start_s_;
 }
@@ -60,7 +59,9 @@ void Rendering::render_range(Film& film, SampleRange range)
         last = p;
         report(p);
         after_pass_(so_far);
-        if (!watch_.has_goal() && so_far.samples_per_pixel() >= watch_.next_look()) watch_.look(so_far);
+        // The final report estimates the error of the whole run.
+        const bool is_end = so_far.samples_per_pixel() == before_ + total_;
+        if (so_far.samples_per_pixel() >= watch_.next_look() && (watch_.has_goal() || !is_end)) watch_.look(so_far);
     };
     was_interrupted = !render(job_, range, film, &cancel_, on_pass);
     done_ += was_interrupted ? last.samples_done : pixels_ * (range.second - range.first);

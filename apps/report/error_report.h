@@ -9,7 +9,7 @@
 
 namespace fathom::cli {
 
-/// What is reported about the error of an image.
+/// The estimated error of an image with its context, as users see it.
 struct ErrorReport {
     ImageError error;
     ErrorMetric metric = ErrorMetric::relative;

@@ -16,8 +16,8 @@ enum class ErrorMetric {
     worst_block  ///< The relative error of the block of 32x32 pixels where it is largest.
 };
 
-/// Which pixels with a second result an estimate of the error uses. A render that stops once the error is small must
-/// decide by some of them and report by the others: the reported error would otherwise be too small.
+/// The set of probes, pixels that were rendered twice, that an estimate uses. A render that stops once the error is
+/// small must decide by some of them and report by the others: the reported error would otherwise be too small.
 enum class ErrorProbes { all, deciding, reporting };
 
 /// Estimated error of an image: what remains of the noise. Bias, such as that of a limited path length, is not

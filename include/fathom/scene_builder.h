@@ -68,13 +68,13 @@ public:
     static std::vector<std::string> texture_parameters();
     /// Returns an object of the scene as JSON. Textures, materials and images in it are referred to by index.
     std::string material_json(int material) const;
-    /// As material_json(), for a texture.
+    /// Returns a texture in the same form.
     std::string texture_json(int texture) const;
-    /// As material_json(), for a light.
+    /// Returns a light in the same form.
     std::string light_json(int light) const;
-    /// As material_json(), for a camera in the space of its node.
+    /// Returns a camera in the same form, in the space of its node.
     std::string camera_json(int camera) const;
-    /// As material_json(), for the environment; an environment of kind `none` is an empty object.
+    /// Returns the environment in the same form; one of kind `none` is an empty object.
     std::string environment_json() const;
 
 private:

@@ -27,7 +27,7 @@ cli::RenderOptions parse_options(const std::vector<std::string>& words, std::vec
     return options;
 }
 
-/// What plans of further images read of the description: no geometry.
+/// Returns a description without geometry, which is enough to plan further images.
 SceneDescription outline_of(const SceneDescription& scene)
 {
     SceneDescription outline;

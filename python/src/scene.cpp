@@ -128,7 +128,7 @@ void Scene::set_camera(const std::string& json)
             before.shutter_open == camera.shutter_open && before.shutter_close == camera.shutter_close;
         const bool is_first = prepared_ && !prepared_->loaded.moved_from && prepared_->loaded.camera.empty();
         if (!is_first || !keeps_shutter) return prepared_.reset();
-        // As set_up_scene() does for the option that gives the size of the image.
+        // The size of the image is set here in the same way as set_up_scene() does for its option.
         if (prepared_->edit->description().cameras.front().aspect == 0) camera.aspect = 0;
         camera.shutter_open = prepared_->lit.scene.camera().shutter_open;
         camera.shutter_close = prepared_->lit.scene.camera().shutter_close;

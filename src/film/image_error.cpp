@@ -258,7 +258,7 @@ void describe_tail(const ErrorTerms& terms, const Correction& correction, ImageE
 std::optional<ImageError> estimate_error(const Film& film, ErrorMetric metric, ErrorProbes set)
 {
     constexpr int fewest_probes = 8;
-    if (film.samples_per_pixel() < 2) return {};
+    if (!film.key().settings.error_probes || film.samples_per_pixel() < 2) return {};
     const ErrorTerms terms = error_terms(film, metric != ErrorMetric::absolute);
     const auto used = [&](const ProbeTerm& p) { return is_used(p, set); };
     if (std::count_if(terms.probes.begin(), terms.probes.end(), used) < fewest_probes) return {};
@@ -278,13 +278,14 @@ Image::Layer standard_error(const Film& film)
     const ErrorTerms terms = error_terms(film, true);
     const Correction correction(terms, double(film.samples_per_pixel()), ErrorProbes::all);
     const ErrorBlocks blocks(terms, ErrorProbes::all, correction);
+    std::vector<double> factors;
+    for (std::size_t block = 0; block < blocks.count(); ++block) factors.push_back(blocks.factor(block).factor);
     const FilmMoments moments(film);
     for (int y = inside.y0; y < inside.y1; ++y)
         for (int x = inside.x0; x < inside.x1; ++x) {
             const ChannelMoments m = moments.of(x, y);
             const std::size_t block = blocks.index_of(x - inside.x0, y - inside.y0);
-            const double factor =
-                correction.stratum(moments.effective_samples(x, y)).factor * blocks.factor(block).factor;
+            const double factor = correction.stratum(moments.effective_samples(x, y)).factor * factors[block];
             float* const to = &layer.pixels[3 * (std::size_t(y) * std::size_t(film.width()) + std::size_t(x))];
             for (std::size_t c = 0; c < 3; ++c) to[c] = float(std::sqrt(factor * m.variance[c] + m.splat_variance[c]));
         }

@@ -28,6 +28,6 @@ def to_scene(x: Any, up_axis: str, material: Material | None = None) -> Scene:
         # Triangles of different colors can't share vertices.
         vertices, faces = x.vertices[x.faces.reshape(-1)], np.arange(3 * len(x.faces)).reshape(-1, 3)
         colors = x.visual.face_colors.repeat(3, axis=0)
-    # As in trimesh's exports, normals that nobody asked for are not computed; triangles are flat then.
+    # Normals are passed on only if the mesh has computed them, as trimesh does when it exports; otherwise triangles are flat.
     normals = x.vertex_normals if "vertex_normals" in x._cache and len(vertices) == len(x.vertices) else None
     return meshes.to_scene(vertices, faces, up_axis=up_axis, material=material, colors=colors, normals=normals)
