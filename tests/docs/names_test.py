@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Checks quotes in documents: messages of docs/troubleshooting.md in the sources, names of docs/library.md in the headers.
+"""Checks quotes in documents: messages of docs/troubleshooting.md and docs/error.md in the sources, names of docs/library.md in
+the headers.
 
 usage: names_test.py ROOT
 
@@ -53,6 +54,12 @@ class Names(unittest.TestCase):
             with self.subTest(message=message):
                 self.assertGreaterEqual(share_found(message, literals), ENOUGH, "the program prints no such message")
         self.assertLess(share_found("fathom: this message is nowhere in the sources of Fathom", literals), ENOUGH)
+
+    def test_messages_about_errors(self):
+        quoted = re.findall(r"^    (error .*)$", (ROOT / "docs" / "error.md").read_text(encoding="utf-8"), re.MULTILINE)
+        self.assertEqual(2, len(quoted))
+        for message in quoted:
+            self.assertGreaterEqual(share_found(message, string_literals()), ENOUGH, message)
 
     def test_names_of_the_library_guide(self):
         headers = "\n".join(header.read_text(encoding="utf-8") for header in sorted((ROOT / "include" / "fathom").rglob("*.h")))
