@@ -205,7 +205,8 @@ class Blocks(Folder):
                     else:
                         for one in replaced(page, command):
                             self.run_command(one)
-            self.assertEqual(set(NOT_RUN.get(page, {})), used, f"{page}: entries of NOT_RUN without a command")
+            with self.subTest(page=page):
+                self.assertEqual(set(NOT_RUN.get(page, {})), used, "entries of NOT_RUN without a command")
 
     def check_synopsis(self, synopsis):
         help_text = waiting.run([PROGRAM, synopsis.split()[1], "--help"], check=True).stdout
