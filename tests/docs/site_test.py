@@ -81,7 +81,8 @@ def public_members(thing):
     """(name, docstring) of the documented public members of a class, with those that it inherits in the package."""
     for name in dir(thing):
         owner = next((kind for kind in thing.__mro__ if name in vars(kind)), None)
-        if not name.startswith("_") and owner and owner.__module__.startswith("fathom") and inspect.getdoc(getattr(thing, name)):
+        is_own = owner and owner.__module__.startswith("fathom")
+        if not name.startswith("_") and is_own and inspect.getdoc(getattr(thing, name)):
             yield name, inspect.getdoc(inspect.getattr_static(thing, name))
 
 

@@ -35,7 +35,19 @@ def write_example_files(folder, root):
     """Writes the files; the folder `scenes` is a link to that of the project, whose folder is `root`."""
     (folder / "model.glb").write_bytes(animated_glb())
     (folder / "scene.json").write_text(json.dumps(SCENE))
-    (folder / "scene.pbrt").write_text('LookAt 0 1 4  0 0 0  0 1 0\nCamera "perspective"\nWorldBegin\nLightSource "infinite"\nShape "sphere"\n')
+    (folder / "scene.pbrt").write_text('LookAt 0 1 4  0 0 0  0 1 0\nCamera "perspective"\nWorldBegin\nLightSource "infinite"\n'
+                                       'Shape "sphere"\n')
+    (folder / "model.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")
+    shapes = "".join(f'<shape type="obj"><string name="filename" value="{name}.obj"/></shape>' for name in "ab")
+    (folder / "scene.xml").write_text(f'<scene version="3.0.0"><sensor type="perspective"/><emitter type="constant"/>{shapes}</scene>')
+    # Of the triangles of both files, half are degenerate.
+    for name in "ab":
+        (folder / f"{name}.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\nf 1 2 2\n")
+    (folder / "scene.glb").write_bytes(animated_glb())
+    (folder / "models").mkdir()
+    (folder / "models/model.glb").write_bytes(animated_glb())
+    # Machines of mpirun.
+    (folder / "hosts").write_text("localhost slots=8\n")
     # A Radiance file of 2x2 pixels, of which all are gray.
     (folder / "sky.hdr").write_bytes(b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 2 +X 2\n" + bytes([128, 128, 128, 129]) * 4)
     (folder / "scenes").symlink_to(root / "scenes")
