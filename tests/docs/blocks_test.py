@@ -51,7 +51,7 @@ NOT_RUN = {
     "README.md": {"tar xzf": PACKAGES, "fathom-0.1.0/bin/fathom": PACKAGES, "./render.sh": BARE},
     "docs/install.md": {
         "tar xzf": PACKAGES, "fathom-0.1.0/bin/fathom": PACKAGES, "ln -s": PACKAGES, "fathom version": PACKAGES,
-        "source <(fathom": PACKAGES, "fathom man": PACKAGES, "apt-get": PACKAGES, "fathom render model.glb": PACKAGES,
+        "source <(fathom": PACKAGES, "mkdir": PACKAGES, "fathom man": PACKAGES, "apt-get": PACKAGES, "fathom render model.glb": PACKAGES,
         "podman": CONTAINERS, "scripts/wheel.sh": WHEELS, "pip install": WHEELS, "./render.sh": BARE, "./test.sh": BARE,
         "scripts/package.sh": "scripts/package_test.sh runs it"},
     "docs/pipes.md": {"fathom render scene.json --watch": "test_watching"},
@@ -233,10 +233,11 @@ class Blocks(Folder):
     def test_other_languages(self):
         for page in PAGES:
             languages = {language for language, _ in blocks((ROOT / page).read_text(encoding="utf-8"))} - {""}
-            expected = {"docs/python.md": {"python"}, "docs/pipes.md": {"text"}, "docs/troubleshooting.md": {"text"},
-                        "docs/untrusted-files.md": {"text"}}
+            expected = {"README.md": {"python"}, "docs/python.md": {"python"}, "docs/pipes.md": {"text"},
+                        "docs/troubleshooting.md": {"text"}, "docs/untrusted-files.md": {"text"}}
             self.assertEqual(expected.get(page, set()), languages, page)
-        self.assertIn('"docs" / "python.md"', (ROOT / "python/tests/test_guide.py").read_text())
+        for page in 'ROOT / "README.md"', 'ROOT / "docs" / "python.md"':
+            self.assertIn(page, (ROOT / "python/tests/test_guide.py").read_text())
 
     def test_packages_are_installed_in_the_readme_as_in_the_guide(self):
         guide = page_commands("docs/install.md")
