@@ -271,22 +271,24 @@ class Blocks(Folder):
 
     def test_watching(self):
         command = next(command for command in page_commands("docs/pipes.md") if command.endswith("--watch"))
-        image = self.folder / "scene.png"
-        process = subprocess.Popen(command.split(), cwd=self.folder, env=self.environment, stdout=subprocess.DEVNULL,
-                                   stderr=subprocess.DEVNULL)
+        image, log = self.folder / "scene.png", self.folder / "log"
+        with open(log, "w") as stderr:
+            process = subprocess.Popen(command.split(), cwd=self.folder, env=self.environment, stderr=stderr)
         waiting.limit_processor_time(process)
-        try:
-            stop = waiting.ended(process)
-            waiting.wait_for("the image", image.exists, stop=stop)
-            first = image.stat().st_ino, image.stat().st_mtime_ns
-            scene = self.folder / "scene.json"
-            scene.write_text(scene.read_text().replace('0.8, 0.1', '0.1, 0.8'))
-            waiting.wait_for("another image", lambda: (image.stat().st_ino, image.stat().st_mtime_ns) != first, stop=stop)
-            process.send_signal(signal.SIGINT)
-            waiting.finish(process, command)
-        finally:
-            process.kill()
-            process.wait()
+        self.addCleanup(lambda: (process.kill(), process.wait()))
+
+        def wait_for_pause(number):
+            waiting.wait_for(f"pause {number}", lambda: log.read_text().count("watching") == number, log.read_text,
+                             stop=waiting.ended(process))
+
+        wait_for_pause(1)
+        first = image.read_bytes()
+        scene = self.folder / "scene.json"
+        scene.write_text(scene.read_text().replace("0.8, 0.1", "0.1, 0.8"))
+        wait_for_pause(2)
+        self.assertNotEqual(first, image.read_bytes())
+        process.send_signal(signal.SIGINT)
+        waiting.finish(process, command)
 
 
 class LibraryGuide(Folder):
