@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Runs the code blocks of docs/python.md in order, as one program."""
+"""Runs the Python code blocks of the README and of docs/python.md in order, as one program each."""
 import re
 
 import numpy as np
@@ -9,17 +9,34 @@ import fathom
 from conftest import ROOT
 
 
-@pytest.mark.filterwarnings("ignore::fathom.scene.SceneWarning")
-def test_blocks_of_the_guide(tmp_path, monkeypatch, scene):
+@pytest.fixture
+def run_blocks(tmp_path, monkeypatch, scene):
+    """Runs the blocks of a page in a folder with model.glb, and returns their number and variables."""
     scene.save(tmp_path / "model.glb")
     monkeypatch.chdir(tmp_path)
-    text = (ROOT / "docs" / "python.md").read_text()
-    blocks = re.findall(r"^```python\n(.*?)^```$", text, re.S | re.M)
-    assert len(blocks) >= 10
-    names = {}
-    for block in blocks:
-        line = text[:text.index(block)].count("\n")
-        exec(compile("\n" * line + block, str(ROOT / "docs" / "python.md"), "exec"), names)
+
+    def run(page):
+        text = page.read_text()
+        blocks = re.findall(r"^```python\n(.*?)^```$", text, re.S | re.M)
+        names = {}
+        for block in blocks:
+            line = text[:text.index(block)].count("\n")
+            exec(compile("\n" * line + block, str(page), "exec"), names)
+        return len(blocks), names
+
+    return run
+
+
+@pytest.mark.filterwarnings("ignore::fathom.scene.SceneWarning")
+def test_block_of_the_readme(tmp_path, run_blocks):
+    count, _ = run_blocks(ROOT / "README.md")
+    assert count == 1 and (tmp_path / "model.png").stat().st_size > 1000
+
+
+@pytest.mark.filterwarnings("ignore::fathom.scene.SceneWarning")
+def test_blocks_of_the_guide(tmp_path, run_blocks):
+    count, names = run_blocks(ROOT / "docs" / "python.md")
+    assert count >= 10
     assert names["film"].samples == [(0, 16)] and isinstance(names["image"], fathom.Image)
     assert names["whole"].hdr["beauty"].dtype == np.float32
     assert {"model.png", "bright.png", "all-layers.exr", "film.exr", "changed.json"} <= {file.name for file in tmp_path.iterdir()}
