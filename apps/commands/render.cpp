@@ -144,6 +144,8 @@ int render_and_watch(const RenderOptions& options, Reporter& reporter)
             reporter.error(error.what());
         }
         end_on_interrupt("");
+        // An interrupt that came once the samples were complete has only been noted.
+        if (interrupted()) return exit_interrupted;
         reporter.note(fmt::format("watching {} file{}", watch.file_count(), watch.file_count() == 1 ? "" : "s"));
         watch.wait_for_change();
     }

@@ -3,11 +3,11 @@
 """Tests of standard input and output, of names with {name}, {view} and {frame}, of --config and of --watch."""
 import os
 import pathlib
+import signal
 import subprocess
-import time
 import unittest
 
-from harness import PROGRAM, CommandLine, png_size, run_tests
+from harness import PROGRAM, CommandLine, png_size, run_tests, waiting
 
 TRIANGLE = b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"
 UNKNOWN = b"fathom: /dev/stdin: its format can't be detected from the content: give a file whose name has an extension, or --format\n"
@@ -95,10 +95,19 @@ class Config(CommandLine):
 
 class Watch(CommandLine):
     def wait_for(self, condition):
-        end = time.monotonic() + 60
-        while not condition():
-            self.assertLess(time.monotonic(), end)
-            time.sleep(0.02)
+        waiting.wait_for("the program", condition)
+
+    def test_an_interrupt_right_after_the_image_is_not_lost(self):
+        self.scene("model.obj", TRIANGLE.decode())
+        image = pathlib.Path(self.path("model.png"))
+        for _ in range(8):
+            program = subprocess.Popen([PROGRAM, "render", "model.obj", "--watch", "--size", "16x12", "--spp", "1", "-q"], cwd=self.folder)
+            self.end_at_the_end(program)
+            waiting.wait_for("the image", image.exists, pause_s=0.0001)
+            program.send_signal(signal.SIGINT)
+            waiting.finish(program)
+            self.assertEqual(program.returncode, 130)
+            image.unlink()
 
     def test_renders_again_after_a_change_until_an_interrupt(self):
         self.scene("model.obj", "mtllib model.mtl\nusemtl red\n" + TRIANGLE.decode())
@@ -121,7 +130,8 @@ class Watch(CommandLine):
         self.scene("model.obj", "mtllib model.mtl\nusemtl red\n" + TRIANGLE.decode())
         self.wait_for(lambda: waits() == 4)
         program.terminate()
-        self.assertEqual(program.wait(60), 130)
+        waiting.finish(program)
+        self.assertEqual(program.returncode, 130)
 
     def test_needs_a_file(self):
         out = fathom(self.folder, "render", "-", "--watch", input=TRIANGLE)
