@@ -58,7 +58,9 @@ std::vector<Camera> cameras_around(const Bounds& bounds, const CameraRing& ring,
 
 Transform z_up_from_world()
 {
-    return Transform::rotate({1, 0, 0}, std::numbers::pi / 2);
+    Transform t;
+    t.m = {{{1, 0, 0, 0}, {0, 0, -1, 0}, {0, 1, 0, 0}}};
+    return t;
 }
 
 }  // namespace fathom::cli
