@@ -125,12 +125,6 @@ void Command::add_positionals(const std::string& name, std::vector<std::filesyst
     app_.add_option_function<std::vector<std::string>>(name, assign, help)->required()->type_name("");
 }
 
-void Command::make_arguments_optional()
-{
-    for (CLI::Option* option : app_.get_options())
-        if (option->get_positional()) option->required(false);
-}
-
 std::size_t Command::option_count() const
 {
     return app_.get_options().size();

@@ -47,9 +47,6 @@ public:
     void add_positional(const std::string& name, std::filesystem::path& file, const std::string& help);
     void add_positionals(const std::string& name, std::vector<std::filesystem::path>& files, const std::string& help);
 
-    /// Makes the arguments without a name that were added so far optional.
-    void make_arguments_optional();
-
     /// Descriptions of the options added so far, positional arguments excluded.
     const std::vector<OptionText>& texts() const { return texts_; }
     /// Number of options added so far.

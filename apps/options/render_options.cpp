@@ -213,14 +213,11 @@ void add_other_render_options(Command& command, RenderOptions& o)
 void add_all_render_options(Command& command, RenderOptions& o)
 {
     add_scene_options(command, o.scene);
-    // --models takes the place of the scene.
-    command.make_arguments_optional();
     add_other_render_options(command, o);
 }
 
 void check_options(RenderOptions& o)
 {
-    if (o.scene.file.empty() && o.dataset.models.empty()) throw UsageError("SCENE is required (see fathom --help)");
     for (fs::path& output : o.images.outputs) output = named_output(output, o);
     if (o.watches) check_watch(o);
     check_frames(o);
