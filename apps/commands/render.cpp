@@ -96,8 +96,7 @@ int render_scene(RenderOptions& o, Ranks* ranks, SceneWatch* watch, Reporter& re
     if (!loaded.build) loaded.build = choose_tree_build(o, plan);
     summary.load_s = seconds_since_start() - start_s;
 
-    const std::vector<Camera> cameras =
-        o.dataset.has_views() ? view_cameras(o, loaded) : std::vector<Camera>();
+    const std::vector<Camera> cameras = o.dataset.has_views() ? view_cameras(o, loaded) : std::vector<Camera>();
     std::optional<EditableScene> edit;
     LitScene lit = build(o, loaded, plan, edit, reporter, warnings);
     summary.build_s = seconds_since_start() - start_s - summary.load_s;

@@ -86,9 +86,14 @@ Json info_of(const Model& model, const std::string& name)
         lo = {std::min(lo.x, p.x), std::min(lo.y, p.y), std::min(lo.z, p.z)};
         hi = {std::max(hi.x, p.x), std::max(hi.y, p.y), std::max(hi.z, p.z)};
     }
-    return {{"diameter", diameter(model.positions)}, {"min_x", lo.x},         {"min_y", lo.y},
-            {"min_z", lo.z},                         {"size_x", hi.x - lo.x}, {"size_y", hi.y - lo.y},
-            {"size_z", hi.z - lo.z},                 {"name", name}};
+    return {{"diameter", diameter(model.positions)},
+            {"min_x", lo.x},
+            {"min_y", lo.y},
+            {"min_z", lo.z},
+            {"size_x", hi.x - lo.x},
+            {"size_y", hi.y - lo.y},
+            {"size_z", hi.z - lo.z},
+            {"name", name}};
 }
 
 }  // namespace

@@ -32,7 +32,8 @@ Json translation(const Transform& t)
     return {1000 * t.m[0][3], 1000 * t.m[1][3], 1000 * t.m[2][3]};
 }
 
-/// Millimeters of a step of a 16-bit depth image: the smallest power of ten from 0.01 on that reaches the farthest depth.
+/// Millimeters of a step of a 16-bit depth image: the smallest power of ten from 0.01 on that reaches the farthest
+/// depth.
 double depth_scale(const std::vector<float>& depth)
 {
     double farthest = 0;
@@ -76,8 +77,8 @@ public:
                                    {"obj_id", kinds_.number_of(object)}});
             infos_[key].push_back(info(mask));
         }
-        camera_ = {{"cx", view.camera.cx - 0.5}, {"cy", view.camera.cy - 0.5},      {"depth_scale", scale},
-                   {"fx", view.camera.fx},       {"fy", view.camera.fy},            {"height", plan_.settings.height},
+        camera_ = {{"cx", view.camera.cx - 0.5},   {"cy", view.camera.cy - 0.5}, {"depth_scale", scale},
+                   {"fx", view.camera.fx},         {"fy", view.camera.fy},       {"height", plan_.settings.height},
                    {"width", plan_.settings.width}};
     }
 

@@ -128,7 +128,8 @@ private:
             half_width = std::tan(*angle / 2);
         else
             fail(place, "neither 'fl_x' nor 'camera_angle_x' says the angle of view");
-        if (!(half_width > 1e-6 && half_width < 1e3)) fail(place, "the angle of view must be above 0 and below 180 degrees");
+        if (!(half_width > 1e-6 && half_width < 1e3))
+            fail(place, "the angle of view must be above 0 and below 180 degrees");
         camera.fov_y = 2 * std::atan(half_width / aspect);
         if (const auto cx = number(all, frame, place, "cx")) camera.shift_x = 0.5 - *cx / given.width;
         if (const auto cy = number(all, frame, place, "cy")) camera.shift_y = *cy / given.height - 0.5;

@@ -58,7 +58,8 @@ void check_folder(const RenderOptions& o)
 {
     if (o.images.outputs.size() != 1) throw UsageError("--dataset: name the folder for its files with -o FOLDER");
     if (o.images.outputs[0] == "/dev/stdout") throw UsageError("--dataset: a folder can't go to the standard output");
-    if (!o.images.format.empty()) throw UsageError("--dataset: decides the formats of images; leave out --output-format");
+    if (!o.images.format.empty())
+        throw UsageError("--dataset: decides the formats of images; leave out --output-format");
 }
 
 void check_models(const RenderOptions& o)

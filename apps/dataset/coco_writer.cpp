@@ -38,8 +38,7 @@ public:
     {
         Json categories = Json::array();
         for (const SceneObject& first : kinds_.firsts())
-            categories.push_back(
-                {{"id", categories.size() + 1}, {"name", first.name}, {"supercategory", "object"}});
+            categories.push_back({{"id", categories.size() + 1}, {"name", first.name}, {"supercategory", "object"}});
         write_json(folder_ / "annotations.json", {{"info", {{"description", plan_.scene_options.file.string()}}},
                                                   {"images", images_},
                                                   {"annotations", annotations_},

@@ -65,7 +65,8 @@ PreparedModel prepare(const RenderOptions& options, const fs::path& file)
     const double start_s = seconds_since_start();
     PreparedModel model;
     Reporter reporter(ReportMode::silent);
-    reporter.forward({.note = [&](const std::string& note) { model.notes.push_back(note); }, .error = {}, .warnings = {}});
+    reporter.forward(
+        {.note = [&](const std::string& note) { model.notes.push_back(note); }, .error = {}, .warnings = {}});
     RenderOptions o = options;
     o.scene.file = file;
     o.samples.part.reset();
@@ -79,12 +80,9 @@ PreparedModel prepare(const RenderOptions& options, const fs::path& file)
 
 Json description_of(const RenderOptions& o, const ModelViews& views, const std::vector<SceneObject>& objects)
 {
-    Json all{{"fathom", FATHOM_VERSION},
-             {"model", views.plan().scene_options.file.string()},
-             {"settings", settings_of(o)},
-             {"views", views.count()},
-             {"objects", Json::array()},
-             {"materials", Json::array()},
+    Json all{{"fathom", FATHOM_VERSION},   {"model", views.plan().scene_options.file.string()},
+             {"settings", settings_of(o)}, {"views", views.count()},
+             {"objects", Json::array()},   {"materials", Json::array()},
              {"warnings", Json::array()}};
     for (const SceneObject& object : objects)
         all["objects"].push_back({{"instance", all["objects"].size() + 1}, {"name", object.name}});
@@ -246,7 +244,8 @@ private:
 
 int render_single(const RenderOptions& o, Reporter& reporter)
 {
-    const fs::path folder = o.images.outputs[0].has_filename() ? o.images.outputs[0] : o.images.outputs[0].parent_path();
+    const fs::path folder =
+        o.images.outputs[0].has_filename() ? o.images.outputs[0] : o.images.outputs[0].parent_path();
     if (is_complete(folder, o)) {
         reporter.note(fmt::format("{} is complete already", folder.string()));
         return exit_ok;
@@ -260,8 +259,8 @@ int render_single(const RenderOptions& o, Reporter& reporter)
     const std::optional<double> render_s = render_model(o, *prepared.views, folder, reporter);
     if (!render_s) return exit_interrupted;
     reporter.written(folder.string());
-    reporter.note(fmt::format("{} views in {:.1f} s, read in {:.1f} s", prepared.views->count(), *render_s,
-                              prepared.load_s));
+    reporter.note(
+        fmt::format("{} views in {:.1f} s, read in {:.1f} s", prepared.views->count(), *render_s, prepared.load_s));
     return exit_ok;
 }
 

@@ -59,8 +59,8 @@ nlohmann::ordered_json matrix_rows(const Transform& t)
 
 int ObjectKinds::number_of(const SceneObject& object)
 {
-    const auto known =
-        std::find_if(firsts_.begin(), firsts_.end(), [&](const SceneObject& first) { return are_equal(first, object); });
+    const auto known = std::find_if(firsts_.begin(), firsts_.end(),
+                                    [&](const SceneObject& first) { return are_equal(first, object); });
     if (known != firsts_.end()) return int(known - firsts_.begin()) + 1;
     firsts_.push_back(object);
     return int(firsts_.size());

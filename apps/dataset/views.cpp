@@ -100,7 +100,8 @@ std::optional<View> ModelViews::render(std::size_t i, const TruthRequest& reques
 
 void ModelViews::add_layers(Image& image, const View& view) const
 {
-    for (Image::Layer& layer : truth_layers(view.truth, options_.dataset.layers)) image.layers.push_back(std::move(layer));
+    for (Image::Layer& layer : truth_layers(view.truth, options_.dataset.layers))
+        image.layers.push_back(std::move(layer));
     if (!view.flow_forward.empty()) image.layers.push_back(flow_layer("truth.flow-forward", view.flow_forward));
     if (!view.flow_backward.empty()) image.layers.push_back(flow_layer("truth.flow-backward", view.flow_backward));
 }

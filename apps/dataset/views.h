@@ -21,9 +21,9 @@ struct TruthRequest {
 /// A rendered view of a data set.
 struct View {
     std::size_t index = 0;
-    Image image;               ///< as `fathom render` writes it, with the ground truth that --ground-truth asks for
+    Image image;  ///< as `fathom render` writes it, with the ground truth that --ground-truth asks for
     PinholeCamera camera;
-    GroundTruth truth;         ///< empty unless requested, as are masks and flow
+    GroundTruth truth;  ///< empty unless requested, as are masks and flow
     std::vector<ObjectMask> masks;
     std::vector<Vec2f> flow_forward, flow_backward;  ///< to the next and the previous view, where there is one
     std::vector<SceneObject> objects;                ///< at the time of the view

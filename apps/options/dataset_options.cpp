@@ -28,10 +28,10 @@ const std::vector<std::string> view_placement_names = {"sphere", "hemisphere", "
 void add_dataset_options(Command& command, DatasetOptions& o)
 {
     command.begin_group("Data sets");
-    command.add_value({"--views", "N",
-                       "render N images from around the model; ### in the names of -o becomes the image number, from 0",
-                       ""},
-                      [&](const std::string& text) { o.views = parse_integer(text, 1, 1'000'000); });
+    command.add_value(
+        {"--views", "N",
+         "render N images from around the model; ### in the names of -o becomes the image number, from 0", ""},
+        [&](const std::string& text) { o.views = parse_integer(text, 1, 1'000'000); });
     command.add_value({"--on", "sphere|hemisphere|ring",
                        "where --views places cameras: evenly over all directions, over those from above, or in a "
                        "circle at the elevation of --orbit; --seed turns them about the vertical axis",
@@ -42,13 +42,12 @@ void add_dataset_options(Command& command, DatasetOptions& o)
                       });
     command.add_value({"--cameras", "FILE", "render the views of a transforms.json (NeRF, nerfstudio) instead", ""},
                       [&](const std::string& text) { o.cameras = text; });
-    command.add_value({"--dataset", "nerf|nerfstudio|bop|coco|npz",
-                       "write the views of --views, --cameras or --frames to the folder -o in this layout, with "
-                       "cameras and ground truth (docs/datasets.md)",
-                       ""},
-                      [&](const std::string& text) {
-                          o.format = DatasetFormat(1 + parse_choice(text, dataset_format_names));
-                      });
+    command.add_value(
+        {"--dataset", "nerf|nerfstudio|bop|coco|npz",
+         "write the views of --views, --cameras or --frames to the folder -o in this layout, with "
+         "cameras and ground truth (docs/datasets.md)",
+         ""},
+        [&](const std::string& text) { o.format = DatasetFormat(1 + parse_choice(text, dataset_format_names)); });
     command.add_value({"--models", "LIST",
                        "render all models of a text file, one path a line, each to a folder of its own in -o; models "
                        "that fail are recorded in log.jsonl, finished ones are skipped, --part K/N renders a part",

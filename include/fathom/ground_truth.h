@@ -19,11 +19,11 @@ namespace fathom {
 
 /// An object: one place of a node that has shapes. A node with several parents is an object in each of them.
 struct SceneObject {
-    std::string name;         ///< Name of the node, or of its mesh, or else "object N"; not necessarily unique.
-    int node = -1;            ///< Index of the node.
-    int first_shape = 0;      ///< Number of shapes of the objects before this one.
-    Transform pose;           ///< Rotation and translation that place the object in the world.
-    Transform stretch;        ///< What the node applies before `pose`: scaling, shear, or mirroring.
+    std::string name;     ///< Name of the node, or of its mesh, or else "object N"; not necessarily unique.
+    int node = -1;        ///< Index of the node.
+    int first_shape = 0;  ///< Number of shapes of the objects before this one.
+    Transform pose;       ///< Rotation and translation that place the object in the world.
+    Transform stretch;    ///< What the node applies before `pose`: scaling, shear, or mirroring.
 };
 /// Returns all objects of a scene in the order of its nodes (depth first), at a time in seconds.
 FATHOM_API std::vector<SceneObject> scene_objects(const SceneDescription& scene, double time_s = 0);
@@ -42,21 +42,21 @@ FATHOM_API PinholeCamera pinhole_camera(const RenderJob& job);
 /// What the rays through the centers of the pixels meet. Vectors have an element for each pixel, row by row from the
 /// top left, and values as stated where a ray meets nothing.
 struct FATHOM_API GroundTruth {
-    int width = 0, height = 0;           ///< Size of the image.
-    std::vector<float> depth;            ///< Distance along the view axis in meters (spherical cameras: along the ray);
-                                         ///< infinity.
-    std::vector<float> distance;         ///< Distance along the ray in meters; infinity.
-    std::vector<Vec3f> normal;           ///< Unit normal in world space, on the side of the camera; 0. It is
-                                         ///< interpolated from vertex normals; normal and bump maps don't change it.
-    std::vector<Vec3f> camera_normal;    ///< The normal in camera space: x right, y up, z towards the viewer; 0.
-    std::vector<Vec3f> position;         ///< World-space position in meters; 0.
-    std::vector<std::uint32_t> instance; ///< Object: index into scene_objects() plus 1; 0.
-    std::vector<std::uint32_t> material; ///< Material: index into SceneDescription::materials plus 1; 0.
+    int width = 0, height = 0;         ///< Size of the image.
+    std::vector<float> depth;          ///< Distance along the view axis in meters (spherical cameras: along the ray);
+                                       ///< infinity.
+    std::vector<float> distance;       ///< Distance along the ray in meters; infinity.
+    std::vector<Vec3f> normal;         ///< Unit normal in world space, on the side of the camera; 0. It is
+                                       ///< interpolated from vertex normals; normal and bump maps don't change it.
+    std::vector<Vec3f> camera_normal;  ///< The normal in camera space: x right, y up, z towards the viewer; 0.
+    std::vector<Vec3f> position;       ///< World-space position in meters; 0.
+    std::vector<std::uint32_t> instance;  ///< Object: index into scene_objects() plus 1; 0.
+    std::vector<std::uint32_t> material;  ///< Material: index into SceneDescription::materials plus 1; 0.
 
     /// A pixel's surface point in a form that can be found again in another state of the scene.
     struct Point {
-        Vec3f place;                                      ///< Position in the space of the instance, or render space.
-        float u = 0, v = 0;                               ///< Barycentric weights of a triangle's last two vertices.
+        Vec3f place;         ///< Position in the space of the instance, or render space.
+        float u = 0, v = 0;  ///< Barycentric weights of a triangle's last two vertices.
         std::uint32_t primitive = 0xffffffffu, instance = 0xffffffffu;  ///< Indices of the compiled scene.
     };
     std::vector<Point> points;  ///< Used by optical_flow().
@@ -64,10 +64,10 @@ struct FATHOM_API GroundTruth {
 
 /// Pixels of an object.
 struct ObjectMask {
-    std::uint32_t instance = 0;           ///< GroundTruth::instance of the object.
-    std::vector<std::uint32_t> visible;   ///< Pixels whose first surface is the object's: x + y * width, ascending.
-    std::vector<std::uint32_t> whole;     ///< Pixels that it would cover if nothing were in front of it; includes
-                                          ///< `visible`.
+    std::uint32_t instance = 0;          ///< GroundTruth::instance of the object.
+    std::vector<std::uint32_t> visible;  ///< Pixels whose first surface is the object's: x + y * width, ascending.
+    std::vector<std::uint32_t> whole;    ///< Pixels that it would cover if nothing were in front of it; includes
+                                         ///< `visible`.
 };
 
 /// Traces one ray through the center of each pixel.

@@ -26,7 +26,8 @@ cli::RenderOptions parse_view_options(const std::vector<std::string>& words)
 
 void Views::prepare(Scene& scene, const std::vector<std::string>& words, bool take)
 {
-    reporter_.forward({.note = [this](const std::string& note) { notes.push_back(note); }, .error = {}, .warnings = {}});
+    reporter_.forward(
+        {.note = [this](const std::string& note) { notes.push_back(note); }, .error = {}, .warnings = {}});
     cli::RenderOptions options = parse_view_options(words);
     options.scene.file = scene.description().file;
     const ThreadLimit limit = cli::limit_threads(options.settings, reporter_);

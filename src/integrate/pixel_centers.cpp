@@ -52,7 +52,8 @@ private:
     void generate(const std::vector<std::uint32_t>& pixels, std::size_t first, std::size_t i, int width, int height)
     {
         std::uint32_t xy[lanes];
-        for (std::size_t lane = 0; lane < lanes; ++lane) xy[lane] = pixels[std::min(first + i + lane, pixels.size() - 1)];
+        for (std::size_t lane = 0; lane < lanes; ++lane)
+            xy[lane] = pixels[std::min(first + i + lane, pixels.size() - 1)];
         const UInt word = load(xy);
         const Float x = (to_float(word & UInt(0xffffu)) + Float(0.5f)) * Float(1.0f / float(width));
         const Float y = (to_float(word >> 16) + Float(0.5f)) * Float(1.0f / float(height));
@@ -76,12 +77,18 @@ private:
             return;
         }
         for (std::size_t i = 0; i < count; i += lanes) times_.store(i, Float(time_));
-        const RayArrays rays{origin_.x.data,    origin_.y.data,    origin_.z.data,
-                             direction_.x.data, direction_.y.data, direction_.z.data,
-                             nullptr,           scene_.has(Feature::motion) ? times_.data : nullptr,
-                             count,             &is_half_opaque};
-        scene_.bvh.closest(
-            rays, {hits_.t.data, hits_.u.data, hits_.v.data, hits_.primitive.data, hits_.instance.data}, true);
+        const RayArrays rays{origin_.x.data,
+                             origin_.y.data,
+                             origin_.z.data,
+                             direction_.x.data,
+                             direction_.y.data,
+                             direction_.z.data,
+                             nullptr,
+                             scene_.has(Feature::motion) ? times_.data : nullptr,
+                             count,
+                             &is_half_opaque};
+        scene_.bvh.closest(rays, {hits_.t.data, hits_.u.data, hits_.v.data, hits_.primitive.data, hits_.instance.data},
+                           true);
     }
 
     /// Records the surfaces of the first `count` rays. Keeps those that go on behind their surface, and returns their
@@ -92,9 +99,8 @@ private:
         for (std::size_t i = 0; i < count; i += lanes) {
             const Mask met = first_lanes(count - i) & (hits_.primitive.load(i) != UInt(no_index));
             if (none(met)) continue;
-            const SurfaceHit hit{origin_.load(i),        direction_.load(i),    hits_.t.load(i),
-                                 hits_.u.load(i),        hits_.v.load(i),       Float(time_),
-                                 hits_.primitive.load(i), hits_.instance.load(i)};
+            const SurfaceHit hit{origin_.load(i), direction_.load(i), hits_.t.load(i),         hits_.u.load(i),
+                                 hits_.v.load(i), Float(time_),       hits_.primitive.load(i), hits_.instance.load(i)};
             const Surface s = surfaces_.read(hit, met);
             const Mask passed = passes(hit, s, met), seen = met & !passed;
             const UInt object = surfaces_.object_of(hit, s.shape, met);
@@ -148,8 +154,8 @@ private:
         Vec3 place = s.p;
         const Mask placed = m & (hit.instance != UInt(no_index));
         if (any(placed))
-            place = select(placed, object_from_render(scene_.tables, hit.instance, Float(time_), placed).point(s.p),
-                           place);
+            place =
+                select(placed, object_from_render(scene_.tables, hit.instance, Float(time_), placed).point(s.p), place);
         const Vec3 n = flip_sign(s.ns, -dot(hit.d, s.ng));
         const Float numbers[] = {way_.load(i) + hit.t, s.p.x, s.p.y, s.p.z, n.x, n.y, n.z, place.x, place.y, place.z};
         float number[std::size(numbers)][lanes];
@@ -159,9 +165,9 @@ private:
         for_each_active(m, [&](int lane) {
             const std::size_t at = i + std::size_t(lane);
             const auto vector = [&](int k) { return Vec3f{number[k][lane], number[k + 1][lane], number[k + 2][lane]}; };
-            points_[pixel_[at]] = {number[0][lane],     vector(1),          vector(4),     vector(7),      hits_.u[at],
-                                   hits_.v[at],         hits_.primitive[at], hits_.instance[at], objects[lane],
-                                   materials[lane]};
+            points_[pixel_[at]] = {number[0][lane], vector(1),      vector(4),           vector(7),
+                                   hits_.u[at],     hits_.v[at],    hits_.primitive[at], hits_.instance[at],
+                                   objects[lane],   materials[lane]};
         });
     }
 
@@ -173,7 +179,7 @@ private:
     SurfacePoint* const points_;
     std::vector<ObjectOnRay>* const objects_;
     VectorColumn origin_, direction_;
-    Column<float> way_, times_;                   ///< way_: distance of the origin from the camera
+    Column<float> way_, times_;                  ///< way_: distance of the origin from the camera
     Column<std::uint32_t> pixel_, last_object_;  ///< index in the job; the object that the ray has met last
     HitColumns hits_;
 };

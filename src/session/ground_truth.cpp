@@ -86,10 +86,7 @@ public:
         return {(0.5 + 0.5 * sx) * width_, (0.5 - 0.5 * sy) * height_};
     }
     /// Flow along a row of an equirectangular image takes the shorter way around.
-    double shorter_way(double dx) const
-    {
-        return record_.spherical ? dx - width_ * std::round(dx / width_) : dx;
-    }
+    double shorter_way(double dx) const { return record_.spherical ? dx - width_ * std::round(dx / width_) : dx; }
 
 private:
     static Vec3d axis(const float* a) { return {a[0], a[1], a[2]}; }
@@ -206,7 +203,8 @@ PinholeCamera pinhole_camera(const RenderJob& job)
     const Vec3d rounded{record.right[0], record.right[1], record.right[2]};
     const Vec3d right = normalize(rounded - back * dot(rounded, back)), up = cross(back, right);
     const Vec3d p = job.camera().position;
-    camera.world_from_camera.m = {{{right.x, up.x, back.x, p.x}, {right.y, up.y, back.y, p.y}, {right.z, up.z, back.z, p.z}}};
+    camera.world_from_camera.m = {
+        {{right.x, up.x, back.x, p.x}, {right.y, up.y, back.y, p.y}, {right.z, up.z, back.z, p.z}}};
     return camera;
 }
 
@@ -228,8 +226,8 @@ std::vector<ObjectMask> trace_masks(const RenderJob& job, const std::vector<Scen
         const std::uint32_t first = std::uint32_t(row) * std::uint32_t(width);
         std::vector<Found>& list = found[std::size_t(row / rows_per_task)];
         for (const ObjectOnRay& r : rays)
-            list.push_back({instance_of(of_shape, r.object, objects.size()), first + r.pixel,
-                            r.object == points[r.pixel].object});
+            list.push_back(
+                {instance_of(of_shape, r.object, objects.size()), first + r.pixel, r.object == points[r.pixel].object});
         std::sort(list.begin(), list.end(), [](const Found& a, const Found& b) { return a.pixel < b.pixel; });
     });
     std::vector<ObjectMask> masks(objects.size());
@@ -264,7 +262,8 @@ std::vector<Vec2f> optical_flow(const GroundTruth& truth, const RenderJob& job, 
             const bool stands = p.instance == no_index && p.primitive >= there.first_quad();
             const Vec3d place = stands ? to.render_point(from.world(p.place)) : to_double(moved[i]);
             const auto [x, y] = to.pixel(place);
-            const double dx = to.shorter_way(x - (int(pixels[i] & 0xffff) + 0.5)), dy = y - (int(pixels[i] >> 16) + 0.5);
+            const double dx = to.shorter_way(x - (int(pixels[i] & 0xffff) + 0.5)),
+                         dy = y - (int(pixels[i] >> 16) + 0.5);
             flow[first + i] = {float(dx), float(dy)};
         }
     });

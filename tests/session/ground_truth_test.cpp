@@ -75,7 +75,8 @@ GroundTruth truth_of(const SceneDescription& d)
 Vec3d ray(int x, int y)
 {
     const double half = std::tan(Camera().fov_y / 2);
-    return normalize(Vec3d{((x + 0.5) / width * 2 - 1) * half * width / height, (1 - (y + 0.5) / height * 2) * half, -1});
+    return normalize(
+        Vec3d{((x + 0.5) / width * 2 - 1) * half * width / height, (1 - (y + 0.5) / height * 2) * half, -1});
 }
 
 /// Distance from (0, 0, 5) to the unit sphere, or infinity.
@@ -173,9 +174,12 @@ TEST(GroundTruth, WholeMaskIsThatOfObjectAlone)
         add_shape(d, "far", {0.3, 0, -2}, {Sphere{{}, 1, {}}, -1, ""});
         SceneDescription alone = d;
         add_shape(d, "near", {}, {Sphere{{}, 0.5, {}}, -1, ""});
-        for (int i = 0; i < others; ++i) add_shape(d, "other", {-3.0 + 0.03 * i, -0.7, 1}, {Sphere{{}, 0.01, {}}, -1, ""});
-        const std::vector<ObjectMask> both = trace_masks(RenderJob(compiled_scene(d), truth_settings()), scene_objects(d));
-        const std::vector<ObjectMask> one = trace_masks(RenderJob(compiled_scene(alone), truth_settings()), scene_objects(alone));
+        for (int i = 0; i < others; ++i)
+            add_shape(d, "other", {-3.0 + 0.03 * i, -0.7, 1}, {Sphere{{}, 0.01, {}}, -1, ""});
+        const std::vector<ObjectMask> both =
+            trace_masks(RenderJob(compiled_scene(d), truth_settings()), scene_objects(d));
+        const std::vector<ObjectMask> one =
+            trace_masks(RenderJob(compiled_scene(alone), truth_settings()), scene_objects(alone));
         ASSERT_EQ(one.size(), 1u);
         EXPECT_EQ(one[0].visible, one[0].whole);
         EXPECT_EQ(both[0].whole, one[0].whole) << others;
@@ -198,7 +202,8 @@ double flow_error(const GroundTruth& t, const std::vector<Vec2f>& flow, Vec3d wa
             continue;
         }
         const Vec3d p = to_double(t.position[i]), q = p + way;
-        const double dx = focal * (q.x / (5 - q.z) - p.x / (5 - p.z)), dy = -focal * (q.y / (5 - q.z) - p.y / (5 - p.z));
+        const double dx = focal * (q.x / (5 - q.z) - p.x / (5 - p.z)),
+                     dy = -focal * (q.y / (5 - q.z) - p.y / (5 - p.z));
         largest = std::max({largest, std::abs(flow[i].x - dx), std::abs(flow[i].y - dy)});
     }
     return largest;

@@ -181,8 +181,8 @@ public:
         const float* const from[] = {rays.ox, rays.oy, rays.oz, rays.dx, rays.dy, rays.dz, rays.time, rays.t_max};
         for (int field = 0; field < (rays.t_max ? 8 : 7); ++field)
             for (std::size_t i = 0; i < n; ++i) data_[field][i] = from[field][first + order_[i]];
-        sorted = {data_[0], data_[1], data_[2], data_[3], data_[4], data_[5], rays.t_max ? data_[7] : nullptr,
-                  data_[6], n, rays.alpha_test};
+        sorted = {data_[0], data_[1], data_[2],       data_[3], data_[4], data_[5], rays.t_max ? data_[7] : nullptr,
+                  data_[6], n,        rays.alpha_test};
     }
     std::size_t place(std::size_t i) const { return first_ + order_[i]; }
 
