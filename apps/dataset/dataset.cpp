@@ -100,17 +100,42 @@ TruthRequest request_of(const DatasetWriter& writer, const DatasetOptions& o)
     return request;
 }
 
+/// A folder for the files of an unfinished data set, which is removed unless it is completed.
+class PartialFolder {
+public:
+    explicit PartialFolder(const fs::path& folder) : folder_(folder), path_(folder)
+    {
+        path_ += ".partial";
+        fs::remove_all(path_);
+        fs::create_directories(path_);
+    }
+    PartialFolder(const PartialFolder&) = delete;
+    PartialFolder& operator=(const PartialFolder&) = delete;
+    ~PartialFolder()
+    {
+        std::error_code error;
+        fs::remove_all(path_, error);
+    }
+    const fs::path& path() const { return path_; }
+    /// Gives the folder its name. An empty folder of this name may be there.
+    void complete()
+    {
+        fs::remove(folder_);
+        fs::rename(path_, folder_);
+    }
+
+private:
+    fs::path folder_, path_;
+};
+
 /// Renders a model to a folder, which appears under its name when it is complete. Returns the seconds of rendering, or
 /// nothing after an interrupt.
 std::optional<double> render_model(const RenderOptions& o, ModelViews& views, const fs::path& folder,
                                    Reporter& reporter)
 {
-    fs::path partial = folder;
-    partial += ".partial";
-    fs::remove_all(partial);
-    fs::create_directories(partial);
-    const auto writer =
-        make_dataset_writer(o.dataset.format, partial, views.count(), views.plan(), views.description());
+    PartialFolder partial(folder);
+    const fs::path& path = partial.path();
+    const auto writer = make_dataset_writer(o.dataset.format, path, views.count(), views.plan(), views.description());
     const TruthRequest request = request_of(*writer, o.dataset);
     const bool has_layers = !o.dataset.layers.empty() || !o.film.aovs.empty();
     double render_s = 0;
@@ -120,17 +145,15 @@ std::optional<double> render_model(const RenderOptions& o, ModelViews& views, co
         if (!view) return {};
         writer->add(*view);
         if (has_layers) {
-            fs::create_directories(partial / "exr");
-            write_image(partial / "exr" / fmt::format("{:06}.exr", i), view->image, views.plan().write);
+            fs::create_directories(path / "exr");
+            write_image(path / "exr" / fmt::format("{:06}.exr", i), view->image, views.plan().write);
         }
         render_s += view->summary.render_s;
         objects = view->objects;
     }
     writer->finish();
-    write_json(partial / description_file, description_of(o, views, objects));
-    // An empty folder of this name may be there.
-    fs::remove(folder);
-    fs::rename(partial, folder);
+    write_json(path / description_file, description_of(o, views, objects));
+    partial.complete();
     return render_s;
 }
 

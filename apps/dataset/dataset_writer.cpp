@@ -44,7 +44,8 @@ void write_view_image(const fs::path& file, const View& view, const RenderPlan& 
 void write_json(const fs::path& file, const nlohmann::ordered_json& json)
 {
     std::ofstream stream(file, std::ios::binary);
-    stream << json.dump(1) << '\n';
+    // Names in models need not be UTF-8.
+    stream << json.dump(1, ' ', false, nlohmann::ordered_json::error_handler_t::replace) << '\n';
     stream.close();
     if (!stream) throw Error(file.string(), "", std::string("can't write: ") + std::strerror(errno));
 }

@@ -14,6 +14,23 @@ ROOT = Path(__file__).resolve().parents[3]
 WORDS = ("--views", "2", "--spp", "1", "--size", "16x12", "--dataset", "nerf")
 
 
+def decoded(counts, height, width):
+    """The mask of COCO's compressed run lengths, by columns."""
+    runs, at = [], 0
+    while at < len(counts):
+        number, shift, more = 0, 0, True
+        while more:
+            code = ord(counts[at]) - 48
+            number |= (code & 0x1f) << shift
+            more, shift, at = bool(code & 0x20), shift + 5, at + 1
+        if code & 0x10:
+            number -= 1 << shift
+        runs.append(number + (runs[-2] if len(runs) > 2 else 0))
+    mask = [i % 2 for i, run in enumerate(runs) for _ in range(run)]
+    assert len(mask) == width * height, (len(mask), width, height)
+    return mask
+
+
 class Datasets(CommandLine):
     def models(self, **texts):
         """Writes scenes and a list of them; returns the options that render the list to the folder `out`."""
@@ -72,6 +89,22 @@ class Datasets(CommandLine):
         self.assertIn("2 of 4 models are complete already", result.stderr)
         self.assertEqual(self.statuses(), {"a": "done", "b": "done", "c": "done", "missing": "failed"})
         self.assertEqual(os.stat(self.path("out/a/dataset.json")).st_mtime_ns, before)
+
+    def test_coco_run_lengths(self):
+        if not PROGRAM:
+            self.skipTest("the program is not built")
+        self.ok("render", str(ROOT / "scenes/models/chess.glb"), "--views", "2", "--size", "60x40", "--spp", "1", "--dataset", "coco",
+                "-o", "out", program=PROGRAM)
+        annotations = json.loads(self.read("out/annotations.json"))["annotations"]
+        self.assertGreater(len(annotations), 10)
+        for a in annotations:
+            for prefix in ("", "whole_"):
+                mask = decoded(a[prefix + "segmentation"]["counts"], *a[prefix + "segmentation"]["size"])
+                self.assertEqual(sum(mask), a[prefix + "area"])
+                x = [i // 40 for i, value in enumerate(mask) if value]
+                y = [i % 40 for i, value in enumerate(mask) if value]
+                self.assertEqual(a[prefix + "bbox"], [min(x), min(y), max(x) - min(x) + 1, max(y) - min(y) + 1])
+        self.assertGreater(sum(a["whole_area"] > a["area"] for a in annotations), 0)
 
     def test_damaged_models(self):
         """Truncated and changed GLB files fail, and cost none of the others."""
@@ -145,7 +178,7 @@ class Datasets(CommandLine):
         gate.allow()
         self.assertEqual(process.wait(), 130)
         self.assertEqual(self.statuses(), {"a": "interrupted", "b": "interrupted"})
-        self.assertEqual([name for name in os.listdir(self.path("out")) if name in "abc"], [])
+        self.assertEqual(os.listdir(self.path("out")), ["log.jsonl"], "an unfinished folder was left")
         for _ in range(3):
             # Models that were interrupted are not suspected of ending the process.
             self.ok(*words)
