@@ -202,20 +202,13 @@ class Environment(Parameters):
         scene._core.set_environment(scene._json(self))
 
 
-class _LookAt:
+class _ConstructorAndParameter(classmethod):
     """``Camera.look_at(...)`` makes a camera; ``camera.look_at`` is the point that it looks at."""
 
-    def __get__(self, camera: Camera | None, owner: type[Camera]) -> Any:
+    def __get__(self, camera: Camera | None, owner: type[Camera] | None = None) -> Any:
         if camera is not None:
             return camera["look_at"] if "look_at" in camera else (0, 0, -1)
-
-        def look_at(position, target, up=(0, 1, 0), **parameters: Any) -> Camera:
-            """Returns a camera at `position` (meters) that looks at `target`; `up` is up in the image.
-
-            Other parameters are those of :class:`Camera`, such as ``fov_y_deg``."""
-            return owner(position=position, look_at=target, up=up, **parameters)
-
-        return look_at
+        return super().__get__(camera, owner)
 
 
 class Camera(Parameters):
@@ -228,7 +221,13 @@ class Camera(Parameters):
     def __init__(self, kind: str | None = None, /, **parameters: Any):
         super().__init__(kind, parameters)
 
-    look_at = _LookAt()
+    @_ConstructorAndParameter
+    def look_at(cls, position: Any, target: Any, up: Any = (0, 1, 0), **parameters: Any) -> Camera:
+        """Returns a camera at `position` (meters) that looks at `target`; `up` is up in the image.
+
+        Other parameters are those of :class:`Camera`, such as ``fov_y_deg``. The attribute ``look_at`` of a camera is
+        the point that it looks at."""
+        return cls(position=position, look_at=target, up=up, **parameters)
 
     def _check(self, values: Mapping[str, Any]) -> None:
         checked(_fathom.Scene().set_camera, to_json(values))

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Runs the code blocks of docs/python.md, and of docs/datasets.md, in order as one program."""
+"""Runs the Python code blocks of the README, docs/python.md and docs/datasets.md in order, as one program each."""
 import re
 
 import numpy as np
@@ -9,23 +9,33 @@ import fathom
 from conftest import ROOT
 
 
-def run_blocks(name, tmp_path, monkeypatch, scene):
-    """Runs the blocks of a document in a folder with model.glb; returns their number and their names."""
+@pytest.fixture
+def run_blocks(tmp_path, monkeypatch, scene):
+    """Runs the blocks of a page in a folder with model.glb, and returns their number and variables."""
     scene.save(tmp_path / "model.glb")
     monkeypatch.chdir(tmp_path)
-    path = ROOT / "docs" / name
-    text = path.read_text()
-    blocks = re.findall(r"^```python\n(.*?)^```$", text, re.S | re.M)
-    names = {}
-    for block in blocks:
-        line = text[:text.index(block)].count("\n")
-        exec(compile("\n" * line + block, str(path), "exec"), names)
-    return len(blocks), names
+
+    def run(page):
+        text = page.read_text()
+        blocks = re.findall(r"^```python\n(.*?)^```$", text, re.S | re.M)
+        names = {}
+        for block in blocks:
+            line = text[:text.index(block)].count("\n")
+            exec(compile("\n" * line + block, str(page), "exec"), names)
+        return len(blocks), names
+
+    return run
 
 
 @pytest.mark.filterwarnings("ignore::fathom.scene.SceneWarning")
-def test_blocks_of_the_guide(tmp_path, monkeypatch, scene):
-    count, names = run_blocks("python.md", tmp_path, monkeypatch, scene)
+def test_block_of_the_readme(tmp_path, run_blocks):
+    count, _ = run_blocks(ROOT / "README.md")
+    assert count == 1 and (tmp_path / "model.png").stat().st_size > 1000
+
+
+@pytest.mark.filterwarnings("ignore::fathom.scene.SceneWarning")
+def test_blocks_of_the_guide(tmp_path, run_blocks):
+    count, names = run_blocks(ROOT / "docs" / "python.md")
     assert count >= 10
     assert names["film"].samples == [(0, 16)] and isinstance(names["image"], fathom.Image)
     assert names["whole"].hdr["beauty"].dtype == np.float32
@@ -33,8 +43,8 @@ def test_blocks_of_the_guide(tmp_path, monkeypatch, scene):
 
 
 @pytest.mark.filterwarnings("ignore::fathom.scene.SceneWarning")
-def test_blocks_on_data_sets(tmp_path, monkeypatch, scene, capsys):
-    count, names = run_blocks("datasets.md", tmp_path, monkeypatch, scene)
+def test_blocks_on_data_sets(tmp_path, run_blocks, capsys):
+    count, names = run_blocks(ROOT / "docs" / "datasets.md")
     assert count == 1 and names["view"].index == 3
     assert {"0.png", "1.png", "2.png", "3.png"} <= {file.name for file in tmp_path.iterdir()}
     assert "pixels are visible" in capsys.readouterr().out

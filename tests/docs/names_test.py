@@ -1,11 +1,12 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Checks quotes in documents: messages of docs/troubleshooting.md in the sources, names of docs/library.md in the headers.
+"""Checks quotes in documents: messages in the sources, and names of docs/library.md in the headers.
 
 usage: names_test.py ROOT
 
-A message is a line in a block marked `text`, or a code span of several words in the first column of a table. Its names and
-numbers are examples, so it is found if most pairs of neighboring words occur in string literals of the sources.
+A message is a line of a code block that begins like one, and in docs/troubleshooting.md also each line in a block marked `text`
+and a code span of several words in the first column of a table. Its names and numbers are examples, so it is found if most pairs
+of neighboring words occur in string literals of the sources.
 """
 import pathlib
 import re
@@ -13,7 +14,13 @@ import sys
 import unittest
 
 ROOT = pathlib.Path(sys.argv.pop(1) if len(sys.argv) > 1 else pathlib.Path(__file__).parents[2]).resolve()
+sys.path.insert(0, str(ROOT / "tests" / "support"))
+sys.dont_write_bytecode = True
+from documents import MESSAGE, blocks  # noqa: E402
+
 ENOUGH = 0.6
+# Messages that are put together from single words or by a library; blocks_test.py makes the program print them.
+COMPOSED = re.compile("needs about .* allows|contain degenerate triangles|The following argument was not expected")
 LITERAL = re.compile(r'"((?:[^"\\\n]|\\.)*)"')
 # Separator of adjacent literals that the compiler joins.
 JOINED = re.compile(r'"\s*"')
@@ -53,6 +60,14 @@ class Names(unittest.TestCase):
             with self.subTest(message=message):
                 self.assertGreaterEqual(share_found(message, literals), ENOUGH, "the program prints no such message")
         self.assertLess(share_found("fathom: this message is nowhere in the sources of Fathom", literals), ENOUGH)
+
+    def test_messages_in_code_blocks(self):
+        literals = string_literals()
+        for page in sorted((ROOT / "docs").glob("*.md")):
+            lines = [line for _, block in blocks(page.read_text(encoding="utf-8")) for line in block]
+            for message in filter(MESSAGE.match, lines):
+                with self.subTest(page=page.name, message=message):
+                    self.assertTrue(COMPOSED.search(message) or share_found(message, literals) >= ENOUGH)
 
     def test_names_of_the_library_guide(self):
         headers = "\n".join(header.read_text(encoding="utf-8") for header in sorted((ROOT / "include" / "fathom").rglob("*.h")))

@@ -16,7 +16,7 @@ import subprocess
 import sys
 import time
 
-from planted import PLACE, ROOT, Workshop, copy_tree
+from planted import BUILD_ROOT, ROOT, BuildCopy, copy_tree
 
 # Modules by path prefix, of which the first match counts: targets to build, and the gtest programs or command line
 # tests that should detect a change.
@@ -125,22 +125,22 @@ def targets_of(path):
 class Tests:
     """Runs the tests of a module until one fails."""
 
-    def __init__(self, workshop):
-        self.workshop = workshop
+    def __init__(self, build_copy):
+        self.build_copy = build_copy
 
     def limit(self):
         resource.setrlimit(resource.RLIMIT_CPU, (TEST_PROCESSOR_S, TEST_PROCESSOR_S + 10))
 
     def fails(self, command):
-        code, _ = self.workshop.run(command, "mutant.log", limit=self.limit)
+        code, _ = self.build_copy.run(command, "mutant.log", limit=self.limit)
         return code != 0
 
     def programs(self, target):
-        build = self.workshop.build / "bin"
+        build = self.build_copy.build / "bin"
         if target == "command line":
             double, program = (str(build / name) for name in ("fathom_double", "fathom"))
-            oidn = str(self.workshop.build / "lib" / "libfake_oidn.so")
-            for test in sorted((self.workshop.tree / "tests/apps/command_line").glob("*_test.py")):
+            oidn = str(self.build_copy.build / "lib" / "libfake_oidn.so")
+            for test in sorted((self.build_copy.tree / "tests/apps/command_line").glob("*_test.py")):
                 yield test.stem, [sys.executable, str(test), double, program, oidn]
         elif target.endswith("_tests") or "_tests_" in target:
             yield target, [str(build / target), "--gtest_brief=1", "--gtest_fail_fast"]
@@ -154,8 +154,8 @@ class Tests:
         return None
 
 
-def try_mutant(mutant, workshop):
-    file = workshop.tree / mutant.path
+def try_mutant(mutant, build_copy):
+    file = build_copy.tree / mutant.path
     original = file.read_text()
     lines = original.splitlines(keepends=True)
     if lines[mutant.line - 1].rstrip("\n") != mutant.before:
@@ -164,12 +164,25 @@ def try_mutant(mutant, workshop):
     try:
         file.write_text("".join(lines))
         targets = targets_of(mutant.path)
-        if not workshop.compile([target for target in targets if " " not in target])[0]:
+        if not build_copy.compile([target for target in targets if " " not in target])[0]:
             return "invalid", "does not compile"
-        name = Tests(workshop).failing(targets)
+        name = Tests(build_copy).failing(targets)
         return ("caught", f"by {name}") if name else ("SURVIVED", "")
     finally:
         file.write_text(original)
+
+
+def check():
+    """Returns exit status 0 if every module has sources and its test programs exist; builds nothing."""
+    lists = "\n".join(path.read_text() for path in (ROOT / "tests").rglob("CMakeLists.txt"))
+    errors = [f"no source starts with {part}" for part, _ in PARTS if not list(ROOT.glob(part + "*"))]
+    errors += [f"{part}: there is no test program {target}" for part, targets in PARTS for target in targets
+               if "_tests" in target and not re.search(rf"\b{re.sub('_base$', '_[$]', target)}", lists)]
+    alterations = list(mutants_of("src/base/example.cpp", 1, "    if (a < 2) b = c;"))
+    if [mutant.after.strip() for mutant in alterations] != ["if (a <= 2) b = c;", "if (a < 3) b = c;"]:
+        errors.append(f"alterations of the example: {', '.join(mutant.after.strip() for mutant in alterations)}")
+    print("\n".join(errors) or f"{len(PARTS)} modules have sources and tests")
+    return 1 if errors else 0
 
 
 def main():
@@ -179,9 +192,12 @@ def main():
     parser.add_argument("--max", type=int, default=20, metavar="N", help="so many alterations, chosen at random (default 20)")
     parser.add_argument("--seed", type=int, default=1, help="which are chosen (default 1)")
     parser.add_argument("--list", action="store_true", help="only show them; build nothing")
+    parser.add_argument("--check", action="store_true", help="only see whether all modules and test programs exist")
     parser.add_argument("--jobs", type=int, default=2, help="compilers at once")
     options = parser.parse_args()
 
+    if options.check:
+        return check()
     mutants = [mutant for line in changed_lines(options.base, options.paths) if is_mutated(line[0]) for mutant in mutants_of(*line)]
     print(f"{len(mutants)} alterations are possible in the lines that differ from {options.base}")
     mutants = random.Random(options.seed).sample(mutants, min(options.max, len(mutants)))
@@ -189,17 +205,17 @@ def main():
         print("\n".join(map(str, mutants)))
         return 0
     signal.signal(signal.SIGTERM, lambda *_: sys.exit(1))
-    copy_tree(PLACE / "tree")
-    workshop = Workshop("base", options.jobs)
+    copy_tree(BUILD_ROOT / "tree")
+    build_copy = BuildCopy("base", options.jobs)
     wanted = sorted({target for mutant in mutants for target in targets_of(mutant.path)})
-    if not workshop.compile([target for target in wanted if " " not in target])[0]:
+    if not build_copy.compile([target for target in wanted if " " not in target])[0]:
         sys.exit("the sources do not build as they are")
-    if name := Tests(workshop).failing(wanted):
+    if name := Tests(build_copy).failing(wanted):
         sys.exit(f"{name} fails without any alteration")
     results = []
     for mutant in mutants:
         start = time.monotonic()
-        result, words = try_mutant(mutant, workshop)
+        result, words = try_mutant(mutant, build_copy)
         results.append(result)
         print(f"{result} {words} ({time.monotonic() - start:.0f} s) {mutant}", flush=True)
     valid = len(results) - results.count("invalid")

@@ -217,20 +217,20 @@ class BuildCopy:
         return failed_tests(text)
 
 
-def try_rule(rule, workshop):
+def try_rule(rule, build_copy):
     """Returns (caught, SURVIVED or error, explanation)."""
     try:
-        planted = plant(rule, workshop.tree)
+        planted = plant(rule, build_copy.tree)
     except RuleError as error:
         return "error", str(error)
     before = {path: path.read_bytes() for path in planted}
     try:
         for path, text in planted.items():
             path.write_text(text)
-        built, log = workshop.compile(rule["targets"])
+        built, log = build_copy.compile(rule["targets"])
         if not built:
             return "error", f"the bug does not compile; see {log}"
-        failed = workshop.test(rule)
+        failed = build_copy.test(rule)
         return ("caught", f"by {failed[0]}" + (f" and {len(failed) - 1} more" if failed[1:] else "")) if failed else \
                ("SURVIVED", rule["bug"])
     except RuleError as error:
@@ -240,22 +240,22 @@ def try_rule(rule, workshop):
             path.write_bytes(data)
 
 
-def failing_without_bug(rules, workshop):
+def failing_without_bug(rules, build_copy):
     """Returns ids of rules whose tests fail without a planted bug, so that their failure proves nothing."""
-    built, log = workshop.compile(sorted({target for rule in rules for target in rule["targets"]}))
+    built, log = build_copy.compile(sorted({target for rule in rules for target in rule["targets"]}))
     if not built:
         sys.exit(f"the sources do not build without a bug; see {log}")
     tests, known = {}, {}
     for rule in rules:
         if rule["tests"] not in known:
-            known[rule["tests"]] = workshop.tests_of(rule)
+            known[rule["tests"]] = build_copy.tests_of(rule)
         tests[rule["id"]] = known[rule["tests"]]
     failed = set()
     for gtest, numbers in clean_runs(rules, tests).items():
-        failed.update(workshop.test_numbers(numbers, gtest))
+        failed.update(build_copy.test_numbers(numbers, gtest))
     # If a test program runs many tests at once, those of this rule may all have passed.
     return {rule["id"] for rule in rules
-            if failed & set(tests[rule["id"]].values()) and (not rule["gtest"] or workshop.test(rule))}
+            if failed & set(tests[rule["id"]].values()) and (not rule["gtest"] or build_copy.test(rule))}
 
 
 def clean_runs(rules, tests):
@@ -307,13 +307,13 @@ def main():
     copy_tree(BUILD_ROOT / "tree")
     results = {}
     for isa in sorted({rule["isa"] for rule in rules}):
-        workshop = BuildCopy(isa, options.jobs)
+        build_copy = BuildCopy(isa, options.jobs)
         mine = [rule for rule in rules if rule["isa"] == isa]
-        failing = failing_without_bug(mine, workshop)
+        failing = failing_without_bug(mine, build_copy)
         for rule in mine:
             start = time.monotonic()
             result, words = ("error", "its tests fail without the bug, too") if rule["id"] in failing \
-                else try_rule(rule, workshop)
+                else try_rule(rule, build_copy)
             results[rule["id"]] = result
             print(f"{result:9} {rule['module']:10} {rule['id']:32} {words} ({time.monotonic() - start:.0f} s)", flush=True)
     caught = sum(result == "caught" for result in results.values())

@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Checks the files of .github: workflows run ./test.sh on the supported systems, and issue forms are complete.
+"""Checks the files of .github: workflows run ./test.sh on the supported systems and publish the site, and issue forms are
+complete.
 
 usage: workflows_test.py ROOT               checks the text and then the YAML; exit status 77 (skipped) without Python's yaml
        workflows_test.py ROOT --actionlint  runs actionlint (a Go program) from PATH, $ACTIONLINT or ~/go/bin; exit status 77
@@ -20,6 +21,7 @@ except ImportError:
 
 GITHUB = Path(sys.argv[1]).resolve() / ".github"
 WORKFLOW = GITHUB / "workflows/ci.yml"
+SITE = GITHUB / "workflows/site.yml"
 FORMS = GITHUB / "ISSUE_TEMPLATE"
 # Input types of an issue form.
 INPUTS = {"textarea", "input", "dropdown", "checkboxes"}
@@ -88,6 +90,32 @@ class Workflow(unittest.TestCase):
         upload = self.steps[self.place(uses="actions/upload-artifact")]
         self.assertEqual(upload["if"], "failure()")
         self.assertIn("build/release/ctest.log", upload["with"]["path"])
+
+
+@unittest.skipUnless(yaml, "Python's yaml is not installed")
+class Site(unittest.TestCase):
+    def setUp(self):
+        self.workflow = yaml.safe_load(SITE.read_text())
+        self.build, self.publish = self.workflow["jobs"]["build"], self.workflow["jobs"]["publish"]
+
+    def test_the_site_is_built_for_each_change_and_uploaded(self):
+        self.assertIn("pull_request", self.workflow[True])
+        runs = [step.get("run", "") for step in self.build["steps"]]
+        site = runs.index("PYTHON=python scripts/site.sh --package installed")
+        self.assertLess(runs.index("pip install ."), site)
+        upload = self.build["steps"][site + 1]
+        self.assertTrue(upload["uses"].startswith("actions/upload-pages-artifact"))
+        self.assertEqual(upload["with"], {"path": "build/site"})
+
+    def test_only_main_is_published(self):
+        self.assertEqual(self.publish["needs"], "build")
+        self.assertIn("github.ref == 'refs/heads/main'", self.publish["if"])
+        self.assertIn("github.event_name != 'pull_request'", self.publish["if"])
+
+    def test_only_publishing_may_write(self):
+        self.assertEqual(self.workflow["permissions"], {"contents": "read"})
+        self.assertNotIn("permissions", self.build)
+        self.assertEqual(self.publish["permissions"], {"pages": "write", "id-token": "write"})
 
 
 @unittest.skipUnless(yaml, "Python's yaml is not installed")
