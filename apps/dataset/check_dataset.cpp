@@ -95,7 +95,10 @@ void check_dataset(RenderOptions& o)
     // A floor would be an object among the others, and a backdrop would be learned as part of the model.
     if (o.scene.ground == GroundChoice::automatic) o.scene.ground = GroundChoice::none;
     const bool has_alpha = o.dataset.format != DatasetFormat::bop && o.dataset.format != DatasetFormat::coco;
-    if (!o.settings.background && has_alpha) o.settings.transparent = true;
+    if (!o.settings.background && has_alpha) {
+        o.settings.transparent = true;
+        o.settings.background = Color{0, 0, 0};
+    }
 }
 
 }  // namespace fathom::cli

@@ -19,7 +19,8 @@ def test_views_are_made_one_by_one(scene):
     views = fathom.render_views(scene, 3, "ring", **SMALL)
     first = next(views)
     assert first.index == 0 and first.image.rgba.shape == (48, 64, 4)
-    assert first.image.rgba[0, 0, 3] == 0, "the background is transparent"
+    beauty = first.image.hdr["beauty"]
+    assert beauty[0, 0, 3] == 0 and (beauty[beauty[..., 3] == 0] == 0).all(), "the background is not transparent"
     scene.mesh.transform = np.diag([9, 9, 9, 1.0])
     rest = list(views)
     assert [view.index for view in rest] == [1, 2]
