@@ -58,6 +58,16 @@ std::vector<std::string> reversed_words(int argc, char** argv, const CLI::App& a
     return words;
 }
 
+/// Makes the scene of `fathom render` optional if --models takes its place. It is required otherwise, since CLI11 would
+/// else take a scene behind `-o FILE` for a second output.
+void make_scene_optional(CLI::App& app, const std::vector<std::string>& words)
+{
+    const bool has_models = std::any_of(words.begin(), words.end(), [](const std::string& word) {
+        return word == "--models" || word.starts_with("--models=");
+    });
+    if (has_models) app.get_subcommand("render")->get_option("SCENE")->required(false);
+}
+
 /// Throws UsageError for a command that must not run once per rank.
 void check_ranks(const CLI::App& app, const RankEnvironment& ranks)
 {
@@ -79,7 +89,9 @@ int parse_and_run(int argc, char** argv)
     Run run;
     add_commands(app, run);
     try {
-        app.parse(reversed_words(argc, argv, app));
+        std::vector<std::string> words = reversed_words(argc, argv, app);
+        make_scene_optional(app, words);
+        app.parse(std::move(words));
         check_ranks(app, ranks);
         return run();
     } catch (const CLI::ParseError& error) {

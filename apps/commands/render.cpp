@@ -2,6 +2,8 @@
 #include <fmt/format.h>
 
 #include "commands/commands.h"
+#include "dataset/dataset.h"
+#include "dataset/views.h"
 #include "distributed/ranks/ranks.h"
 #include "options/render_options.h"
 #include "process/interrupt.h"
@@ -31,6 +33,7 @@ constexpr CommandText render_text{
     "  fathom render scene.json --size 1920x1080 --aov albedo,normal,variance -o out.exr\n"
     "  fathom render model.glb --frames 0:119 --fps 24 -o frame.####.png\n"
     "  fathom render model.glb --turntable 36 -o view.##.png\n"
+    "  fathom render model.glb --views 100 --dataset nerf --size 512x512 -o lego/      a data set\n"
     "  fathom render model.glb -o images/{name}.png      {name}: that of the scene; {frame}, {view}: like ####\n"
     "  curl URL | fathom render - --format glb -o - --output-format png >model.png\n"
     "  fathom render scene.json --spp 4096 --checkpoint film.exr -o a.png      run again to continue\n"
@@ -50,7 +53,8 @@ LitScene build(const RenderOptions& o, LoadedScene& loaded, RenderPlan& plan, st
         const Reporter::Phase phase(reporter, "build", "building " + o.scene.file.string());
         return compile_with_light(edit.emplace(make_edit(loaded, o.scene)), loaded, o.scene, plan.settings, warnings);
     }();
-    if (o.series.frames.size() < 2 || o.series.turntable > 0) edit.reset();
+    if (!o.dataset.layers.empty()) plan.objects = scene_objects(edit->description());
+    if (o.series.frames.size() < 2 || o.series.turntable > 0 || o.dataset.has_views()) edit.reset();
     apply_light(lit, o.images, plan.settings, plan.write.display, reporter);
     decide_on_caustics(lit, {o.scene.file.string(), o.settings.caustics, is_worth_a_trial(plan)}, plan.settings,
                        warnings, reporter);
@@ -92,6 +96,7 @@ int render_scene(RenderOptions& o, Ranks* ranks, SceneWatch* watch, Reporter& re
     if (!loaded.build) loaded.build = choose_tree_build(o, plan);
     summary.load_s = seconds_since_start() - start_s;
 
+    const std::vector<Camera> cameras = o.dataset.has_views() ? view_cameras(o, loaded) : std::vector<Camera>();
     std::optional<EditableScene> edit;
     LitScene lit = build(o, loaded, plan, edit, reporter, warnings);
     summary.build_s = seconds_since_start() - start_s - summary.load_s;
@@ -104,6 +109,7 @@ int render_scene(RenderOptions& o, Ranks* ranks, SceneWatch* watch, Reporter& re
     finish_on_interrupt(interrupt_line(ranks, reporter.mode()));
     if (edit) return render_frames(plan, o.series, *edit, std::move(lit), summary, warnings, reporter);
     if (o.series.turntable > 0) return render_turntable(plan, o.series, lit.scene, summary, reporter);
+    if (!cameras.empty()) return render_images(plan, lit.scene, cameras, summary, reporter);
     const ImageOptions files = o.series.frames.empty() ? o.images : frame_files(o.images, o.series.frames[0]);
     return render_image(plan, files, RenderJob(lit.scene, plan.settings), summary, reporter);
 }
@@ -159,7 +165,10 @@ int run_render(RenderOptions& o, Reporter& reporter)
                      : as_json            ? "{\"event\":\"interrupted\"}\n"
                                           : "\nfathom: interrupted before anything was rendered\n");
     check_options(o);
+    if (environment.count > 1 && o.dataset.format != DatasetFormat::none)
+        throw UsageError("--dataset: runs as one process; leave out mpirun, and divide models with --part K/N");
     if (environment.count > 1) return render_as_rank(o, environment, reporter);
+    if (o.dataset.format != DatasetFormat::none) return render_dataset(o, reporter);
     check_outputs(o);
     return o.watches ? render_and_watch(o, reporter) : render_scene(o, nullptr, nullptr, reporter);
 }

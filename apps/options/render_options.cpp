@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 #include <algorithm>
 
+#include "dataset/dataset.h"
 #include "options/arguments.h"
 #include "render/frames.h"
 #include "render/turntable.h"
@@ -158,7 +159,7 @@ fs::path named_output(const fs::path& output, const RenderOptions& o)
     };
     replace("{name}", o.scene.file.stem().string());
     if (!o.series.frames.empty()) replace("{frame}", "####");
-    if (o.series.turntable > 0) replace("{view}", "####");
+    if (o.series.turntable > 0 || o.dataset.has_views()) replace("{view}", "####");
     return text;
 }
 
@@ -188,6 +189,7 @@ void add_render_options(Command& command, RenderOptions& o)
 {
     add_sample_options(command, o.samples);
     add_series_options(command, o.series);
+    add_dataset_options(command, o.dataset);
     add_checkpoint_options(command, o.checkpoint);
     add_film_options(command, o.film);
     add_output_format(command, o.images);
@@ -220,6 +222,7 @@ void check_options(RenderOptions& o)
     if (o.watches) check_watch(o);
     check_frames(o);
     if (o.series.turntable > 0) check_turntable(o);
+    check_dataset(o);
     check_samples(o.samples);
     if (o.film.aov_error && !o.samples.error.is_estimated)
         throw UsageError("--aov: the layer error is an estimate; leave out --error off");
@@ -227,11 +230,14 @@ void check_options(RenderOptions& o)
     // A checkpoint contains the image, so that no other file is needed.
     if (o.images.outputs.empty() && !o.only_sample && o.checkpoint.file.empty())
         o.images.outputs.push_back(o.scene.file.stem().string() + ".png");
-    const bool has_exr = writes_exr(o.images) || !o.checkpoint.file.empty();
+    const bool is_dataset = o.dataset.format != DatasetFormat::none;
+    const bool has_exr = writes_exr(o.images) || !o.checkpoint.file.empty() || is_dataset;
     if (!has_exr && (o.film.aov_samples || o.film.aov_variance || o.film.aov_error || !o.film.aovs.empty()))
         throw UsageError("--aov: only EXR has layers; add -o FILE.exr");
+    if (!is_dataset && !writes_exr(o.images) && !o.dataset.layers.empty())
+        throw UsageError("--ground-truth: only EXR has layers; add -o FILE.exr");
     if (!has_exr && o.film.mergeable) throw UsageError("--mergeable: only EXR keeps sums; add -o FILE.exr");
-    if ((o.samples.range || o.samples.part) && has_exr) o.film.mergeable = true;
+    if ((o.samples.range || o.samples.part) && has_exr && !is_dataset) o.film.mergeable = true;
     check_checkpoint(o);
 }
 

@@ -5,6 +5,7 @@
 #include <optional>
 #include <vector>
 
+#include "options/dataset_options.h"
 #include "options/image_options.h"
 #include "options/sample_request.h"
 #include "options/scene_options.h"
@@ -48,6 +49,7 @@ struct RenderOptions {
     FilmOptions film;
     CheckpointOptions checkpoint;
     SeriesOptions series;
+    DatasetOptions dataset;
     std::optional<OnlySample> only_sample;
     bool uses_mpi = true;       ///< under mpirun, all processes render one image
     bool writes_images = true;  ///< false: another rank writes them

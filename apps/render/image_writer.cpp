@@ -6,6 +6,7 @@
 #include <cmath>
 #include <vector>
 
+#include "dataset/truth_layers.h"
 #include "options/sample_plan.h"
 #include "render/checkpoint.h"
 #include "render/image_files.h"
@@ -115,6 +116,12 @@ ImageWriter::ImageWriter(const RenderPlan& plan, const ImageOptions& files, Repo
 {
 }
 
+void ImageWriter::add_ground_truth(const RenderJob& job)
+{
+    if (!plan_.dataset.layers.empty())
+        truth_ = truth_layers(trace_ground_truth(job, plan_.objects), plan_.dataset.layers);
+}
+
 Image ImageWriter::image(const Film& film, const Summary& summary) const
 {
     Image image = film.image(plan_.settings.alpha, plan_.film.aov_variance);
@@ -122,6 +129,7 @@ Image ImageWriter::image(const Film& film, const Summary& summary) const
     if (plan_.film.aov_samples) image.layers.push_back(sample_count_layer(film));
     image.attributes = image_attributes(plan_, film, summary);
     if (plan_.denoiser) add_denoised(image, *plan_.denoiser, plan_.film.aovs);
+    image.layers.insert(image.layers.end(), truth_.begin(), truth_.end());
     return image;
 }
 

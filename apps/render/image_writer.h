@@ -19,6 +19,8 @@ class ImageWriter {
 public:
     ImageWriter(const RenderPlan& plan, const ImageOptions& files, Reporter& reporter);
 
+    /// Adds the layers of ground truth to all images from here on.
+    void add_ground_truth(const RenderJob& job);
     /// The image of a film: its layers, those of the options, attributes, and the denoised layer if there is a
     /// denoiser.
     Image image(const Film& film, const Summary& summary) const;
@@ -36,6 +38,7 @@ private:
     const RenderPlan& plan_;
     const ImageOptions& files_;
     Reporter& reporter_;
+    std::vector<Image::Layer> truth_;
 };
 
 }  // namespace fathom::cli

@@ -114,7 +114,7 @@ RenderPlan make_plan(const RenderOptions& o, const LoadedScene& loaded, std::opt
 {
     const RenderHints& hints = loaded.description.hints;
     const std::string file = o.scene.file.string();
-    RenderPlan plan{loaded, o.scene, o.images};
+    RenderPlan plan{loaded, o.scene, o.images, o.dataset};
     plan.settings = plan_settings(o, loaded, agree_on_denoising(denoiser.has_value(), ranks));
     plan.write = resolve_write_options(o.images, hints, reporter);
     plan.film = o.film;
@@ -124,7 +124,7 @@ RenderPlan make_plan(const RenderOptions& o, const LoadedScene& loaded, std::opt
     plan.has_guiding_option = o.settings.guiding.has_value();
     plan.stats = o.stats;
     check_memory(file, plan_memory(o, plan, loaded.build.value_or(BvhQuality::standard)));
-    check_outputs(o, plan.settings.width, plan.settings.height);
+    if (o.dataset.format == DatasetFormat::none) check_outputs(o, plan.settings.width, plan.settings.height);
     plan.samples = resolve_samples(o.samples, hints, file, default_render_samples);
     if (!o.checkpoint.file.empty()) plan.scene_digest = scene_digest(loaded.description);
     if (!plan.has_guiding_option) plan.settings.guiding = guiding_pays(plan);

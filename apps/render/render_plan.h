@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "fathom/ground_truth.h"
 #include "options/render_options.h"
 #include "render/scene_setup.h"
 #include "report/reporter.h"
@@ -17,12 +18,14 @@ struct RenderPlan {
     const LoadedScene& scene;
     const SceneOptions& scene_options;
     const ImageOptions& images;  ///< names of outputs may hold #### for the number of a frame
+    const DatasetOptions& dataset;
     RenderSettings settings{};
     WriteOptions write{};
     SampleRequest samples{};
     FilmOptions film{};
     CheckpointOptions checkpoint{};
     std::string scene_digest{};          ///< digest of the scene, for checkpoints
+    std::vector<SceneObject> objects{};  ///< objects of the scene, if ground truth is wanted
     std::optional<Denoiser> denoiser{};  ///< set at rank 0 only
     Ranks* ranks = nullptr;              ///< the ranks that render together; nullptr: this process renders alone
     bool has_guiding_option = false;     ///< whether an option, and not a rule, decided settings.guiding

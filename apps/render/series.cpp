@@ -43,7 +43,7 @@ void check_previous_name(const fs::path& checkpoint)
 
 void check_series(RenderOptions& o, const char* option)
 {
-    if (o.series.frames.size() == 1) return;
+    if (o.series.frames.size() == 1 || o.dataset.format != DatasetFormat::none) return;
     if (o.samples.time_s)
         throw UsageError(fmt::format("{}: choose the samples of each image with --spp; leave out --time", option));
     if (o.only_sample)

@@ -7,6 +7,7 @@
 #include "render/checkpoint.h"
 #include "render/image_writer.h"
 #include "render/rendering.h"
+#include "render/series.h"
 
 namespace fathom::cli {
 
@@ -20,6 +21,7 @@ int render_image(const RenderPlan& plan, const ImageOptions& files, const Render
     const std::uint64_t samples_before = film.samples_per_pixel();
 
     ImageWriter images(plan, files, reporter);
+    images.add_ground_truth(job);
     ErrorWatch watch(plan.samples.error);
     Rendering rendering(job, plan.samples.time_s, watch, interrupted(), reporter);
     const double start_s = seconds_since_start();
@@ -49,6 +51,17 @@ int render_image(const RenderPlan& plan, const ImageOptions& files, const Render
     if (!all_written) return exit_error;
     if (rendering.was_interrupted) return exit_interrupted;
     return watch.has_goal() && !watch.is_reached() ? exit_not_reached : exit_ok;
+}
+
+int render_images(const RenderPlan& plan, const Scene& scene, const std::vector<Camera>& cameras,
+                  const Summary& summary, Reporter& reporter)
+{
+    for (std::size_t i = 0; i < cameras.size(); ++i) {
+        const int code = render_image(plan, frame_files(plan.images, i), RenderJob(scene, cameras[i], plan.settings),
+                                      i == 0 ? summary : Summary{}, reporter);
+        if (code != exit_ok) return code;
+    }
+    return exit_ok;
 }
 
 }  // namespace fathom::cli

@@ -17,13 +17,10 @@ void check_turntable(RenderOptions& o)
 int render_turntable(const RenderPlan& plan, const SeriesOptions& series, const Scene& scene, const Summary& summary,
                      Reporter& reporter)
 {
-    for (const std::uint64_t i : series.frames) {
-        const Camera camera = turntable_camera(scene.camera(), plan.scene, double(i) / double(series.turntable));
-        const int code = render_image(plan, frame_files(plan.images, i), RenderJob(scene, camera, plan.settings),
-                                      i == 0 ? summary : Summary{}, reporter);
-        if (code != exit_ok) return code;
-    }
-    return exit_ok;
+    std::vector<Camera> cameras;
+    for (const std::uint64_t i : series.frames)
+        cameras.push_back(turntable_camera(scene.camera(), plan.scene, double(i) / double(series.turntable)));
+    return render_images(plan, scene, cameras, summary, reporter);
 }
 
 }  // namespace fathom::cli

@@ -14,7 +14,8 @@ from .parameters import Camera, Environment, Light, Material, ParameterError, Te
 from .progress import Progress
 from .rendering import render
 from .scene import Mesh, Node, Scene, SceneWarning, load
+from .views import ObjectMask, SceneObject, View, render_views
 
 __all__ = ["Camera", "Environment", "Error", "Film", "HdrLayers", "Image", "ImageError", "Interrupted", "Light", "Material",
-           "Mesh", "Node", "ParameterError", "Progress", "Scene", "SceneWarning", "Texture", "load", "options", "render",
-           "simd_name"]
+           "Mesh", "Node", "ObjectMask", "ParameterError", "Progress", "Scene", "SceneObject", "SceneWarning", "Texture", "View",
+           "load", "options", "render", "render_views", "simd_name"]

@@ -23,8 +23,13 @@ IMAGE = {"exposure", "white_balance", "tonemap", "ocio", "ocio_display", "ocio_v
 #: Options that only make sense for a program: Python has other means.
 _PROGRAM = {
     "output": "use Image.save()",
-    "frames": "render with at= in a loop",
+    "frames": "render with at= in a loop, or use render_views()",
     "turntable": "render with orbit= in a loop",
+    "views": "use render_views()",
+    "on": "use render_views()",
+    "cameras": "use render_views()",
+    "dataset": "use render_views(), or the program",
+    "models": "use render_views() in a loop, or the program",
     "checkpoint": "use Image.film and film=",
     "every": "use Image.film and film=",
     "quiet": "use progress=",
@@ -109,7 +114,7 @@ def _text(name: str, value: Any, form: str) -> str:
     if isinstance(value, (str, os.PathLike)):
         return os.fspath(value)
     if isinstance(value, Iterable):
-        separator = {"size": "x", "samples": ":", "part": "/"}.get(name, ",")
+        separator = {"size": "x", "samples": ":", "part": "/", "frames": ":"}.get(name, ",")
         return separator.join(_number(name, part) for part in value)
     return _number(name, value)
 

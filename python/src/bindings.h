@@ -11,6 +11,8 @@ void bind_scene(nanobind::module_& module);
 void bind_film(nanobind::module_& module);
 /// Adds Layers, an image in memory.
 void bind_layers(nanobind::module_& module);
+/// Adds Views, ViewArrays and prepare_views().
+void bind_views(nanobind::module_& module);
 /// Adds Run, render() and Pass.
 void bind_run(nanobind::module_& module);
 

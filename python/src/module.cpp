@@ -14,5 +14,6 @@ NB_MODULE(_fathom, module)
     fathom::python::bind_film(module);
     fathom::python::bind_run(module);
     fathom::python::bind_scene(module);
+    fathom::python::bind_views(module);
     module.def("simd_name", &fathom::simd_name);
 }

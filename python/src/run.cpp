@@ -90,6 +90,7 @@ void Run::prepare(Scene& scene, const std::vector<std::string>& scene_words, boo
         compile_first(*prepared_);
     else if (prepared_->is_edited)
         prepared_->compile_again(warnings);
+    if (!options_.dataset.layers.empty()) plan_->objects = scene_objects(prepared_->edit->description());
     display.hints = loaded.description.hints;
     display.exposure_ev = prepared_->lit.exposure_ev;
     if (!take) scene.set_prepared(prepared_);
@@ -132,6 +133,7 @@ void Run::sample(SampleRange wanted, std::optional<double> time_s, const std::at
     summary_.costs += rendering.costs;
     summary_.samples_per_pixel = film->film.samples_per_pixel();
     cli::ImageWriter writer(*plan_, options_.images, reporter_);
+    writer.add_ground_truth(**job_);
     image_ = std::make_shared<const Image>(writer.image(film->film, summary_));
     film->attributes = image_->attributes;
     if (!film->film.samples().empty()) writer.report_noise(film->film, {watch, rendering.end()});

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Runs the Python code blocks of the README and of docs/python.md in order, as one program each."""
+"""Runs the Python code blocks of the README, docs/python.md and docs/datasets.md in order, as one program each."""
 import re
 
 import numpy as np
@@ -40,3 +40,11 @@ def test_blocks_of_the_guide(tmp_path, run_blocks):
     assert names["film"].samples == [(0, 16)] and isinstance(names["image"], fathom.Image)
     assert names["whole"].hdr["beauty"].dtype == np.float32
     assert {"model.png", "bright.png", "all-layers.exr", "film.exr", "changed.json"} <= {file.name for file in tmp_path.iterdir()}
+
+
+@pytest.mark.filterwarnings("ignore::fathom.scene.SceneWarning")
+def test_blocks_on_data_sets(tmp_path, run_blocks, capsys):
+    count, names = run_blocks(ROOT / "docs" / "datasets.md")
+    assert count == 1 and names["view"].index == 3
+    assert {"0.png", "1.png", "2.png", "3.png"} <= {file.name for file in tmp_path.iterdir()}
+    assert "pixels are visible" in capsys.readouterr().out

@@ -52,16 +52,26 @@ Float random_number(const AlphaCandidate& c)
     return to_float(h >> 8) * 0x1p-24f;
 }
 
+Float opacity_of(const void* context, const AlphaCandidate& candidate)
+{
+    const auto& tables = *static_cast<const SceneTables*>(context);
+    const ShapeRecord& shape = tables.shapes[shape_of(tables, candidate)];
+    return opacity(tables, shape.material, read_place(tables, shape, candidate), true);
+}
+
 }  // namespace
 
 }  // namespace FATHOM_LANES
 
 bool alpha_passes(const void* context, const AlphaCandidate& candidate)
 {
-    const auto& tables = *static_cast<const SceneTables*>(context);
-    const ShapeRecord& shape = tables.shapes[shape_of(tables, candidate)];
-    const Float share = opacity(tables, shape.material, read_place(tables, shape, candidate), true);
+    const Float share = opacity_of(context, candidate);
     return share >= 1 || random_number(candidate) < share;
+}
+
+bool is_half_opaque(const void* context, const AlphaCandidate& candidate)
+{
+    return opacity_of(context, candidate) >= 0.5f;
 }
 
 }  // namespace fathom

@@ -10,4 +10,8 @@ namespace fathom {
 /// Each layer decides independently, and the decision for a given ray never changes.
 bool alpha_passes(const void* context, const AlphaCandidate& candidate);
 
+/// The AlphaTest of ground truth, which is not stochastic: a hit is opaque if its opacity is 0.5 or more. context: the
+/// SceneTables.
+bool is_half_opaque(const void* context, const AlphaCandidate& candidate);
+
 }  // namespace fathom

@@ -4,6 +4,7 @@
 /// counters and an opaque scene cross it; no inline code that depends on the instruction set does.
 #include <array>
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <vector>
 
@@ -114,6 +115,20 @@ struct LightPathResults {
     std::vector<LightArrival> arrivals;  ///< if records_arrivals
 };
 
+/// Surface that the ray through the center of a pixel meets first. Lengths are in render space.
+struct SurfacePoint {
+    float distance = std::numeric_limits<float>::infinity();  ///< along the ray; infinite without a hit
+    Vec3f position;
+    Vec3f normal;  ///< unit; interpolated vertex normal without normal maps, on the side of the camera
+    Vec3f place;   ///< the position in the object space of the instance; that in render space without one
+    float u = 0, v = 0;
+    std::uint32_t primitive = no_index, instance = no_index, object = 0, material = 0;  ///< object: object_id
+};
+/// An object that the ray of a pixel meets, whether or not another one is in front of it.
+struct ObjectOnRay {
+    std::uint32_t object, pixel;  ///< object_id, and index of the pixel in its job
+};
+
 /// Point at which a texture is evaluated before the scene is compiled.
 struct KernelTexturePoint {
     Vec2f uv[2];  ///< both texture coordinate sets; 0 where a mesh has none
@@ -140,6 +155,19 @@ void render_job(const KernelScene& scene, const CameraRecord& camera, const Kern
 /// Traces light paths, connects their vertices to the camera, and appends what they bring to `results`.
 void trace_light_paths(const KernelScene& scene, const CameraRecord& camera, const KernelSettings& settings,
                        const LightPathJob& job, LightPathResults& results, KernelCounters& counters);
+/// Traces one ray through the center of each pixel, at the middle of the shutter interval and from the middle of the
+/// lens. Alpha of 0.5 or more counts as opaque. Results do not depend on the number of lanes.
+///
+/// pixels   x in the low 16 bits, y above
+/// points   receives the first surface of each pixel
+/// objects  if not null, all objects that each ray meets are appended
+void trace_pixel_centers(const KernelScene& scene, const CameraRecord& camera, int width, int height,
+                         const std::vector<std::uint32_t>& pixels, SurfacePoint* points,
+                         std::vector<ObjectOnRay>* objects);
+/// Finds where surface points of another state of a scene, whose primitives and instances are the same, are in this
+/// one: render-space positions at a time. Points on primitives that are neither triangles nor instanced keep `place`.
+void move_surface_points(const SceneTables& tables, float time, const SurfacePoint* points, std::size_t count,
+                         Vec3f* positions);
 /// Evaluates one channel of a texture at `count` points by the code that shading uses.
 void look_up_texture(const ShadingTables& tables, std::uint32_t texture, std::uint32_t channel,
                      const KernelTexturePoint* points, std::size_t count, float* values);
@@ -154,6 +182,8 @@ struct KernelFunctions {
     decltype(fathom::make_kernel_scene)* make_kernel_scene;
     decltype(fathom::render_job)* render_job;
     decltype(fathom::trace_light_paths)* trace_light_paths;
+    decltype(fathom::trace_pixel_centers)* trace_pixel_centers;
+    decltype(fathom::move_surface_points)* move_surface_points;
     decltype(fathom::look_up_texture)* look_up_texture;
     decltype(kernel_lanes)* lanes;
     decltype(kernel_name)* name;

@@ -9,14 +9,11 @@
 
 #include <fmt/format.h>
 #include <tbb/enumerable_thread_specific.h>
-#include <tbb/global_control.h>
 #include <tbb/parallel_for.h>
 #include <tbb/spin_mutex.h>
-#include <tbb/task_arena.h>
 
 #include "fathom/error.h"
 #include "fathom/memory.h"
-#include "fathom/threads.h"
 #include "film/film_data.h"
 #include "film/probes.h"
 #include "kernel/kernel.h"
@@ -24,6 +21,7 @@
 #include "session/job.h"
 #include "session/light_targets.h"
 #include "session/light_trial.h"
+#include "session/thread_arena.h"
 #include "session/tiles.h"
 
 namespace fathom {
@@ -224,30 +222,6 @@ void check_new(SampleRange range, const Film& film)
         if (range.first < r.second && r.first < range.second)
             throw Error("", "", fmt::format("the film already contains samples of {}:{}", range.first, range.second));
 }
-
-/// The threads of a job, which may be more than there are cores.
-class ThreadArena {
-public:
-    /// threads: RenderSettings::threads
-    explicit ThreadArena(int threads)
-        : threads_(threads > 0 ? threads : available_threads()),
-          limit_(tbb::global_control::max_allowed_parallelism,
-                 std::size_t(std::max(threads_, tbb::this_task_arena::max_concurrency()))),
-          arena_(threads_)
-    {
-    }
-    int threads() const { return threads_; }
-    template <class Work>
-    void execute(const Work& work)
-    {
-        arena_.execute(work);
-    }
-
-private:
-    int threads_;
-    tbb::global_control limit_;
-    tbb::task_arena arena_;
-};
 
 /// State of one call of render(), and rendering of the tiles of a pass.
 class Passes {

@@ -9,6 +9,7 @@
 #include <thread>
 
 #include "fathom/error.h"
+#include "fathom/ground_truth.h"
 #include "fathom/lighting.h"
 #include "fathom/load.h"
 #include "fathom/memory.h"
@@ -295,6 +296,26 @@ bool render(const RenderJob& job, SampleRange range, Film& film, const std::atom
 std::optional<LightTracingTrial> try_light_tracing(const RenderJob&, const std::atomic<bool>*)
 {
     return LightTracingTrial{};
+}
+
+PinholeCamera pinhole_camera(const RenderJob&)
+{
+    return {};
+}
+GroundTruth trace_ground_truth(const RenderJob& job, const std::vector<SceneObject>&)
+{
+    GroundTruth truth;
+    truth.width = job.settings().width, truth.height = job.settings().height;
+    truth.depth.resize(std::size_t(truth.width) * std::size_t(truth.height));
+    return truth;
+}
+std::vector<ObjectMask> trace_masks(const RenderJob&, const std::vector<SceneObject>&)
+{
+    return {};
+}
+std::vector<Vec2f> optical_flow(const GroundTruth&, const RenderJob&, const RenderJob&)
+{
+    return {};
 }
 
 Color render_sample(const RenderJob&, int x, int y, std::uint64_t sample)

@@ -33,7 +33,7 @@ from example_files import SCENE, write_example_files  # noqa: E402
 PAGES = ["README.md", "SECURITY.md",
          *(f"docs/{name}.md" for name in (
              "install", "troubleshooting", "pipes", "cli", "error", "denoising", "formats", "gallery", "coming-from",
-             "limits", "long-renders", "clusters", "untrusted-files", "python", "library")),
+             "limits", "long-renders", "clusters", "untrusted-files", "python", "library", "datasets")),
          *sorted(str(page.relative_to(ROOT)) for page in (ROOT / "docs" / "farm").glob("*.md"))]
 
 BARE = "scripts/bare_machine_test.sh runs it in a minimal system"
@@ -233,10 +233,11 @@ class Blocks(Folder):
     def test_other_languages(self):
         for page in PAGES:
             languages = {language for language, _ in blocks((ROOT / page).read_text(encoding="utf-8"))} - {""}
-            expected = {"README.md": {"python"}, "docs/python.md": {"python"}, "docs/pipes.md": {"text"},
+            expected = {"README.md": {"python"}, "docs/python.md": {"python"}, "docs/datasets.md": {"python"},
+                        "docs/pipes.md": {"text"},
                         "docs/troubleshooting.md": {"text"}, "docs/untrusted-files.md": {"text"}}
             self.assertEqual(expected.get(page, set()), languages, page)
-        for page in 'ROOT / "README.md"', 'ROOT / "docs" / "python.md"':
+        for page in 'ROOT / "README.md"', 'ROOT / "docs" / "python.md"', 'ROOT / "docs" / "datasets.md"':
             self.assertIn(page, (ROOT / "python/tests/test_guide.py").read_text())
 
     def test_packages_are_installed_in_the_readme_as_in_the_guide(self):

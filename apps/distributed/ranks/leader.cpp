@@ -32,6 +32,7 @@ public:
           images_(plan, files, reporter),
           reports_(std::size_t(ranks_.count()))
     {
+        images_.add_ground_truth(job);
     }
     ~Leader() override
     {

@@ -181,8 +181,8 @@ public:
         const float* const from[] = {rays.ox, rays.oy, rays.oz, rays.dx, rays.dy, rays.dz, rays.time, rays.t_max};
         for (int field = 0; field < (rays.t_max ? 8 : 7); ++field)
             for (std::size_t i = 0; i < n; ++i) data_[field][i] = from[field][first + order_[i]];
-        sorted = {data_[0], data_[1], data_[2], data_[3], data_[4], data_[5], rays.t_max ? data_[7] : nullptr,
-                  data_[6], n};
+        sorted = {data_[0], data_[1], data_[2],       data_[3], data_[4], data_[5], rays.t_max ? data_[7] : nullptr,
+                  data_[6], n,        rays.alpha_test};
     }
     std::size_t place(std::size_t i) const { return first_ + order_[i]; }
 
@@ -200,6 +200,7 @@ void trace_streams(const BvhData& bvh, const RayArrays& rays, bool coherent, Bvh
 {
     static thread_local StreamMemory memory;
     memory.visits = {};
+    memory.alpha_test = rays.alpha_test ? rays.alpha_test : bvh.alpha_test;
     for (std::size_t at = 0; at < rays.count; at += stream_size) {
         const int n = int(std::min(std::size_t(stream_size), rays.count - at));
         prepare(rays, at, n, bvh, memory);

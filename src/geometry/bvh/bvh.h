@@ -16,6 +16,17 @@ namespace fathom {
 
 struct GeometryTables;
 
+/// A candidate hit on a shape with ShapeRecord::alpha_tested, with the ray in world space. Other members are as in
+/// HitArraysOut; u = v = 0 for spheres and disks.
+struct AlphaCandidate {
+    float origin[3], direction[3];
+    float t, u, v;
+    std::uint32_t primitive, instance;
+};
+/// Whether a candidate hit counts. The result must depend on the arguments alone; candidates may turn out not to be
+/// nearest hits.
+using AlphaTest = bool (*)(const void* context, const AlphaCandidate& candidate);
+
 /// Rays as arrays: points o + t d with 0 < t < t_max and d of unit length. Each array must be readable for 32 elements
 /// past `count`.
 struct RayArrays {
@@ -23,6 +34,7 @@ struct RayArrays {
     const float* t_max;  ///< null: unlimited
     const float* time;   ///< null: all rays have time 0
     std::size_t count;
+    AlphaTest alpha_test = nullptr;  ///< replaces the test of set_alpha_test() for these rays, if there is one
 };
 
 /// The nearest hit of each ray; elements past the count are not written.
@@ -34,17 +46,6 @@ struct HitArraysOut {
     float *t, *u, *v;
     std::uint32_t *primitive, *instance;
 };
-
-/// A candidate hit on a shape with ShapeRecord::alpha_tested, with the ray in world space. Other members are as in
-/// HitArraysOut; u = v = 0 for spheres and disks.
-struct AlphaCandidate {
-    float origin[3], direction[3];
-    float t, u, v;
-    std::uint32_t primitive, instance;
-};
-/// Whether a candidate hit counts. The result must depend on the arguments alone; candidates may turn out not to be
-/// nearest hits.
-using AlphaTest = bool (*)(const void* context, const AlphaCandidate& candidate);
 
 /// Size and quality of a BVH.
 struct BvhStatistics {

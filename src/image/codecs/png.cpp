@@ -4,8 +4,11 @@
 #include <algorithm>
 #include <csetjmp>
 #include <cstring>
+#include <stdexcept>
 
+#include "base/output_file.h"
 #include "fathom/error.h"
+#include "fathom/gray_image.h"
 #include "image/codecs/codecs.h"
 #include "image/codes.h"
 #include "image/color/tonemap.h"
@@ -116,8 +119,13 @@ struct Writer {
     ~Writer() { png_destroy_write_struct(&png, &info); }
 };
 
-bool write_rows(Writer& writer, std::vector<unsigned char>& encoded, const Image& image, int bits, bool alpha,
-                bool is_srgb, png_bytepp rows)
+/// Layout of a PNG file.
+struct PngLayout {
+    int width, height, bits, color_type;
+    bool is_srgb;
+};
+
+bool write_rows(Writer& writer, std::vector<unsigned char>& encoded, const PngLayout& layout, png_bytepp rows)
 {
     if (setjmp(png_jmpbuf(writer.png))) return false;
     png_set_write_fn(writer.png, &encoded, on_write, on_flush);
@@ -126,12 +134,11 @@ bool write_rows(Writer& writer, std::vector<unsigned char>& encoded, const Image
     // with all filters 67, 1.4.
     png_set_compression_level(writer.png, 3);
     png_set_filter(writer.png, PNG_FILTER_TYPE_BASE, PNG_FILTER_SUB);
-    png_set_IHDR(writer.png, writer.info, png_uint_32(image.width), png_uint_32(image.height), bits,
-                 alpha ? PNG_COLOR_TYPE_RGB_ALPHA : PNG_COLOR_TYPE_RGB, PNG_INTERLACE_NONE,
-                 PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
-    if (is_srgb) png_set_sRGB(writer.png, writer.info, PNG_sRGB_INTENT_RELATIVE);
+    png_set_IHDR(writer.png, writer.info, png_uint_32(layout.width), png_uint_32(layout.height), layout.bits,
+                 layout.color_type, PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
+    if (layout.is_srgb) png_set_sRGB(writer.png, writer.info, PNG_sRGB_INTENT_RELATIVE);
     png_write_info(writer.png, writer.info);
-    if (bits == 16) png_set_swap(writer.png);
+    if (layout.bits == 16) png_set_swap(writer.png);
     png_write_image(writer.png, rows);
     png_write_end(writer.png, writer.info);
     return true;
@@ -151,6 +158,18 @@ void fill_straight(const Image::Layer& layer, bool alpha, Code* codes, Light lig
         std::copy(rgb.begin(), rgb.end(), code);
         if (alpha) code[3] = unit(a);
     });
+}
+
+/// Encodes rows of codes, which are in this machine's byte order.
+std::vector<unsigned char> encode_rows(const PngLayout& layout, unsigned char* codes, std::size_t row_bytes)
+{
+    std::vector<png_bytep> rows(std::size_t(layout.height));
+    for (std::size_t y = 0; y < rows.size(); ++y) rows[y] = codes + y * row_bytes;
+    Writer writer;
+    std::vector<unsigned char> encoded;
+    if (!write_rows(writer, encoded, layout, rows.data()))
+        throw Error("", "", fmt::format("can't encode PNG: {}", writer.failure.message));
+    return encoded;
 }
 
 }  // namespace
@@ -202,14 +221,24 @@ std::vector<unsigned char> encode_png(const Image& image, const WriteOptions& op
         fill_straight(image.layers[0], alpha, codes.data(), [&](const Color& c) { return map.codes16(c); }, unit16);
     else
         fill_straight(image.layers[0], alpha, bytes, [&](const Color& c) { return map.codes8(c); }, unit8);
-    std::vector<png_bytep> rows(height);
-    for (std::size_t y = 0; y < height; ++y) rows[y] = bytes + y * row_bytes;
+    const PngLayout layout{image.width, image.height, wide ? 16 : 8,
+                           alpha ? PNG_COLOR_TYPE_RGB_ALPHA : PNG_COLOR_TYPE_RGB, !options.display.ocio};
+    return encode_rows(layout, bytes, row_bytes);
+}
 
-    Writer writer;
-    std::vector<unsigned char> encoded;
-    if (!write_rows(writer, encoded, image, wide ? 16 : 8, alpha, !options.display.ocio, rows.data()))
-        throw Error("", "", fmt::format("can't encode PNG: {}", writer.failure.message));
-    return encoded;
+void write_gray_png(const std::filesystem::path& file, int width, int height, int bits,
+                    const std::vector<std::uint16_t>& values)
+{
+    if (width < 1 || height < 1 || values.size() != std::size_t(width) * std::size_t(height))
+        throw std::invalid_argument("the number of values is not that of the pixels");
+    if (bits != 8 && bits != 16) throw std::invalid_argument("a gray PNG has 8 or 16 bits");
+    std::vector<std::uint16_t> codes = values;
+    auto* bytes = reinterpret_cast<unsigned char*>(codes.data());
+    if (bits == 8) std::copy(values.begin(), values.end(), bytes);
+    const PngLayout layout{width, height, bits, PNG_COLOR_TYPE_GRAY, false};
+    OutputFile output(file);
+    output.write(encode_rows(layout, bytes, std::size_t(width) * std::size_t(bits / 8)));
+    output.commit();
 }
 
 }  // namespace fathom

@@ -92,6 +92,19 @@ void trace_light_paths(const KernelScene& scene, const CameraRecord& camera, con
     kernel().functions->trace_light_paths(scene, camera, settings, job, results, counters);
 }
 
+void trace_pixel_centers(const KernelScene& scene, const CameraRecord& camera, int width, int height,
+                         const std::vector<std::uint32_t>& pixels, SurfacePoint* points,
+                         std::vector<ObjectOnRay>* objects)
+{
+    kernel().functions->trace_pixel_centers(scene, camera, width, height, pixels, points, objects);
+}
+
+void move_surface_points(const SceneTables& tables, float time, const SurfacePoint* points, std::size_t count,
+                         Vec3f* positions)
+{
+    kernel().functions->move_surface_points(tables, time, points, count, positions);
+}
+
 void look_up_texture(const ShadingTables& tables, std::uint32_t texture, std::uint32_t channel,
                      const KernelTexturePoint* points, std::size_t count, float* values)
 {

@@ -73,6 +73,7 @@ struct StreamMemory {
     PreparedRays together[stream_size / lanes];  ///< rays of a packet in the object space of an instance
     RayHits hits;
     BvhVisits visits;
+    AlphaTest alpha_test = nullptr;  ///< of the rays
     std::vector<std::uint32_t> stacks;
     std::vector<PacketEntry> packet_stack;
 };
@@ -103,7 +104,7 @@ inline bool passes_alpha(const BvhData& bvh, const StreamMemory& memory, int ray
         v,
         key >> 1,
         instance};
-    return bvh.alpha_test(bvh.alpha_context, candidate);
+    return memory.alpha_test(bvh.alpha_context, candidate);
 }
 
 }  // namespace FATHOM_LANES
