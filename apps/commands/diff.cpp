@@ -37,10 +37,7 @@ struct DiffOptions {
 
 void check_outputs(const DiffOptions& o)
 {
-    for (const auto& file : o.outputs) {
-        check_output(file);
-        if (o.json && file == "/dev/stdout") throw UsageError("-o: the standard output gets the JSON of --json");
-    }
+    for (const auto& file : o.outputs) check_output(file);
     check_outputs_are_not(o.outputs, o.image, "an image to be compared");
     check_outputs_are_not(o.outputs, o.reference, "an image to be compared");
 }

@@ -37,8 +37,7 @@ Exposures exposures_for(const Colors& reference)
                              0.0722f * std::max(rgb[2], 0.0f));
     const auto middle = luminances.begin() + std::ptrdiff_t(luminances.size() / 2);
     std::nth_element(luminances.begin(), middle, luminances.end());
-    double median = double(*middle);
-    if (luminances.size() % 2 == 0) median = (median + double(*std::max_element(luminances.begin(), middle))) / 2;
+    const auto median = double(*middle);
     const double brightest = double(*std::max_element(middle, luminances.end()));
 
     constexpr double darkest = double(std::numeric_limits<float>::epsilon());
