@@ -9,11 +9,12 @@ docs/python.md is the guide, docs/scene-format.md lists the parameters of materi
 """
 from . import options
 from ._fathom import Error, __version__, simd_name
+from .difference import Difference, diff
 from .image import Film, HdrLayers, Image, Interrupted
 from .parameters import Camera, Environment, Light, Material, ParameterError, Texture
 from .progress import Progress
 from .rendering import render
 from .scene import Mesh, Node, Scene, SceneWarning, load
 
-__all__ = ["Camera", "Environment", "Error", "Film", "HdrLayers", "Image", "Interrupted", "Light", "Material", "Mesh", "Node",
-           "ParameterError", "Progress", "Scene", "SceneWarning", "Texture", "load", "options", "render", "simd_name"]
+__all__ = ["Camera", "Difference", "Environment", "Error", "Film", "HdrLayers", "Image", "Interrupted", "Light", "Material", "Mesh", "Node",
+           "ParameterError", "Progress", "Scene", "SceneWarning", "Texture", "diff", "load", "options", "render", "simd_name"]

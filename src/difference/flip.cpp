@@ -135,7 +135,9 @@ struct Features {
     {
         const Plane x = convolve(luminance, derivative, smooth), y = convolve(luminance, smooth, derivative);
         std::vector<float> result(x.values.size());
-        for_pixels(result.size(), [&](std::size_t i) { result[i] = std::hypot(x.values[i], y.values[i]); });
+        for_pixels(result.size(), [&](std::size_t i) {
+            result[i] = std::sqrt(x.values[i] * x.values[i] + y.values[i] * y.values[i]);
+        });
         return result;
     }
     /// Difference of a pixel's features, 0 to 1.
