@@ -24,7 +24,7 @@ struct Flip {
     double mean = 0;         ///< Mean over all pixels, 0 (equal) to 1.
     double max = 0;          ///< Largest value.
     std::vector<float> map;  ///< Value of each pixel, 0 to 1: width * height.
-    int exposures = 0;       ///< Number of exposures; 0 if the images were not linear.
+    int exposures = 0;       ///< Number of exposures; 0 if the images are not linear, or equal.
     double first_ev = 0;     ///< Lowest exposure in stops.
     double last_ev = 0;      ///< Highest exposure in stops.
 };

@@ -1,13 +1,14 @@
 # SPDX-License-Identifier: Apache-2.0
 import json
 import math
+import re
 import subprocess
 
 import numpy as np
 import pytest
 
 import fathom
-from conftest import SMALL
+from conftest import ROOT, SMALL
 
 
 def codes(*shape):
@@ -113,6 +114,16 @@ def test_values_that_are_not_numbers():
     assert not found.same and found.largest == math.inf and found.numbers["invalid_pixels"] == 1 and found.flip_map[1, 2] == 1
     with pytest.raises(ValueError, match="tolerance"):
         fathom.diff(a, b, tolerance=math.nan)
+
+
+def test_block_of_the_guide(tmp_path, monkeypatch, scene):
+    monkeypatch.chdir(tmp_path)
+    for name, seed in (("new", 1), ("old", 2)):
+        scene.render(**SMALL, seed=seed).save(f"{name}.png")
+    block, = re.findall(r"^```python\n(.*?)^```$", (ROOT / "docs" / "diff.md").read_text(), re.S | re.M)
+    names = {}
+    exec(block, names)
+    assert names["difference"].flip > 0 and (tmp_path / "diff.png").exists()
 
 
 def test_render_refuses_the_options_of_the_program(scene):

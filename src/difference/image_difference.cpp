@@ -98,10 +98,13 @@ std::vector<std::size_t> blacken_invalid(Colors& colors)
 /// FLIP of finite colors. Pixels that are finite in one image only have the largest value, 1.
 Flip compare_perceived(Colors image, Colors reference, const ImageDifference& about)
 {
+    Flip flip;
+    flip.map.resize(image.size());
+    if (about.largest.difference == 0) return flip;
     std::vector<std::size_t> invalid = blacken_invalid(image);
     const std::vector<std::size_t> others = blacken_invalid(reference);
     invalid.insert(invalid.end(), others.begin(), others.end());
-    Flip flip = (about.is_linear ? flip_of_radiance : flip_of_display)(image, reference, about.width, about.height);
+    flip = (about.is_linear ? flip_of_radiance : flip_of_display)(image, reference, about.width, about.height);
     for (const std::size_t i : invalid)
         if (std::isinf(about.differences[i])) flip.map[i] = 1;
     double sum = 0;
