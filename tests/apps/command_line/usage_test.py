@@ -79,7 +79,8 @@ class Usage(CommandLine):
             return set(re.findall(r"^  (?:-\w,)?(--[a-z-]+)", self.ok(command, "--help").stdout, re.MULTILINE))
         of_files_only = {"--output", "--png-bits", "--exr", "--exr-primaries", "--aov", "--mergeable", "--samples", "--only-sample", "--time",
                          "--crop", "--quiet", "--progress", "--frames", "--turntable", "--fps", "--shutter", "--quality", "--stats",
-                         "--part", "--checkpoint", "--every", "--mpi", "--error", "--error-metric", "--output-format", "--watch"}
+                         "--part", "--checkpoint", "--every", "--mpi", "--error", "--error-metric", "--output-format", "--watch",
+                         "--reference", "--tolerance"}
         self.assertEqual(options("render") - options("view"), of_files_only)
         self.assertEqual(options("view") - options("render"), {"--log-latency", "--script-moves"})
         self.assertIn("--scene", options("info"))
