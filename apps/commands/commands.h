@@ -11,7 +11,16 @@ class Option;
 namespace fathom::cli {
 
 /// Exit codes of the program, as --help lists them.
-enum ExitCode { exit_ok = 0, exit_error = 1, exit_usage = 2, exit_not_reached = 3, exit_interrupted = 130 };
+enum ExitCode {
+    exit_ok = 0,
+    exit_error = 1,
+    exit_usage = 2,
+    exit_not_reached = 3,
+    exit_not_reference = 4,
+    exit_interrupted = 130
+};
+/// Exit codes of `fathom diff`, which are those of cmp and diff.
+enum DiffExitCode { exit_same = 0, exit_different = 1, exit_trouble = 2 };
 
 /// An invalid or contradictory option; the program returns exit_usage.
 struct UsageError : std::runtime_error {
@@ -27,6 +36,7 @@ void add_submit(CLI::App& program, Run& run);
 void add_status(CLI::App& program, Run& run);
 void add_info(CLI::App& program, Run& run);
 void add_convert(CLI::App& program, Run& run);
+void add_diff(CLI::App& program, Run& run);
 void add_view(CLI::App& program, Run& run);
 void add_version(CLI::App& program, Run& run);
 void add_completion(CLI::App& program, Run& run);

@@ -38,10 +38,11 @@ constexpr CommandText render_text{
     "  curl URL | fathom render - --format glb -o - --output-format png >model.png\n"
     "  fathom render scene.json --spp 4096 --checkpoint film.exr -o a.png      run again to continue\n"
     "  fathom render scene.json --spp 1024 --part 3/16 -o part3.exr      fathom merge joins the parts\n"
+    "  fathom render scene.json -o new.png --reference old.png      4 as exit code if a pixel differs\n"
     "  mpirun -n 8 fathom render scene.json -o out.exr      one image by 8 processes (docs/clusters.md)\n"
     "  fathom render scene.json --only-sample 400,300,7      replay one sample\n\n"
-    "Exit codes: 0 success; 1 error; 2 wrong usage; 3 the image is written, but --error was not reached; 130 "
-    "interrupted."};
+    "Exit codes: 0 success; 1 error; 2 wrong usage; 3 the image is written, but --error was not reached; 4 it "
+    "differs from\n--reference; 130 interrupted."};
 
 /// Compiles the scene with its light, whose backdrop and exposure go into the plan.
 ///
@@ -119,6 +120,8 @@ int render_as_rank(RenderOptions& o, const RankEnvironment& environment, Reporte
 {
     if (o.samples.error.goal) throw UsageError("--error: runs as one process; under mpirun, choose --spp or --time");
     if (o.only_sample) throw UsageError("--only-sample: runs as one process; leave out mpirun");
+    if (!o.reference.file.empty())
+        throw UsageError("--reference: runs as one process; under mpirun, compare with `fathom diff` afterwards");
     if (o.watches) throw UsageError("--watch: runs as one process; leave out mpirun");
     Ranks ranks(environment);
     return ranks.run(

@@ -7,6 +7,7 @@
 #include "dataset/dataset.h"
 #include "options/arguments.h"
 #include "render/frames.h"
+#include "render/reference.h"
 #include "render/turntable.h"
 #include "render/watch.h"
 
@@ -114,6 +115,21 @@ void add_series_options(Command& command, SeriesOptions& o)
                       [&](const std::string& text) { o.turntable = parse_integer(text, 1, 1'000'000); });
 }
 
+void add_reference_options(Command& command, ReferenceOptions& o)
+{
+    command.begin_group("Comparison");
+    command.add_value({"--reference", "FILE",
+                       "compare the image with this one, as `fathom diff` does; exit code 4 if a pixel differs by more "
+                       "than --tolerance",
+                       ""},
+                      [&](const std::string& text) { o.file = text; });
+    command.add_value({"--tolerance", "X",
+                       "largest difference of a channel from --reference that counts as none: in radiance for EXR, of "
+                       "1 for PNG and others",
+                       "0, since renders of one version have the same bits everywhere"},
+                      [&](const std::string& text) { o.tolerance = parse_number(text, 0, 1e30); });
+}
+
 void add_report_options(Command& command, RenderOptions& o)
 {
     command.begin_group("Reporting and debugging");
@@ -196,6 +212,7 @@ void add_render_options(Command& command, RenderOptions& o)
     command.add_flag({"--mergeable", "", "keep the exact sums in EXR, for `fathom merge`", ""}, o.film.mergeable);
     command.add_flag(
         {"--watch", "", "render again whenever the scene or a file that it uses changes, until Ctrl-C", ""}, o.watches);
+    add_reference_options(command, o.reference);
     command.begin_group("Machine");
     command.add_value({"--mpi", "auto|off",
                        "under mpirun, auto: all processes render one image; off: each process renders its own", "auto"},
@@ -239,6 +256,7 @@ void check_options(RenderOptions& o)
     if (!has_exr && o.film.mergeable) throw UsageError("--mergeable: only EXR keeps sums; add -o FILE.exr");
     if ((o.samples.range || o.samples.part) && has_exr && !is_dataset) o.film.mergeable = true;
     check_checkpoint(o);
+    check_reference(o);
 }
 
 }  // namespace fathom::cli

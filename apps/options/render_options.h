@@ -33,6 +33,12 @@ struct CheckpointOptions {
     std::optional<double> every_s;  ///< between two of them
 };
 
+/// --reference and --tolerance.
+struct ReferenceOptions {
+    std::filesystem::path file;  ///< empty: the render is not compared
+    double tolerance = 0;
+};
+
 /// Several images of one scene.
 struct SeriesOptions {
     std::vector<std::uint64_t> frames;  ///< their numbers; empty: a single image
@@ -50,6 +56,7 @@ struct RenderOptions {
     CheckpointOptions checkpoint;
     SeriesOptions series;
     DatasetOptions dataset;
+    ReferenceOptions reference;
     std::optional<OnlySample> only_sample;
     bool uses_mpi = true;       ///< under mpirun, all processes render one image
     bool writes_images = true;  ///< false: another rank writes them

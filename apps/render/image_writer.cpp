@@ -138,6 +138,14 @@ bool ImageWriter::write(const Film& film, const Summary& summary)
     return write_images(files_, image(film, summary), plan_.film.mergeable ? &film : nullptr, plan_.write, reporter_);
 }
 
+bool ImageWriter::is_like_reference(const Film& film, const Summary& summary) const
+{
+    if (!plan_.reference) return true;
+    const Comparison comparison = plan_.reference->compare_with(image(film, summary), film, plan_.write);
+    reporter_.comparison(comparison);
+    return comparison.difference.is_same();
+}
+
 std::map<std::string, std::string> ImageWriter::checkpoint_attributes(const Film& film, const Summary& summary,
                                                                       double samples_per_s) const
 {

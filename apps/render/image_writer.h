@@ -26,6 +26,8 @@ public:
     Image image(const Film& film, const Summary& summary) const;
     /// False if a file could not be written, which is reported.
     bool write(const Film& film, const Summary& summary);
+    /// Compares with the plan's reference, and reports it; true if there is none or no pixel differs.
+    bool is_like_reference(const Film& film, const Summary& summary) const;
     /// Attributes of a checkpoint of the film.
     std::map<std::string, std::string> checkpoint_attributes(const Film& film, const Summary& summary,
                                                              double samples_per_s) const;

@@ -125,6 +125,7 @@ RenderPlan make_plan(const RenderOptions& o, const LoadedScene& loaded, std::opt
     plan.stats = o.stats;
     check_memory(file, plan_memory(o, plan, loaded.build.value_or(BvhQuality::standard)));
     if (o.dataset.format == DatasetFormat::none) check_outputs(o, plan.settings.width, plan.settings.height);
+    if (!o.reference.file.empty()) plan.reference.emplace(o.reference, plan.settings.width, plan.settings.height);
     plan.samples = resolve_samples(o.samples, hints, file, default_render_samples);
     if (!o.checkpoint.file.empty()) plan.scene_digest = scene_digest(loaded.description);
     if (!plan.has_guiding_option) plan.settings.guiding = guiding_pays(plan);

@@ -6,6 +6,7 @@
 
 #include "fathom/ground_truth.h"
 #include "options/render_options.h"
+#include "render/reference.h"
 #include "render/scene_setup.h"
 #include "report/reporter.h"
 
@@ -27,8 +28,9 @@ struct RenderPlan {
     std::string scene_digest{};          ///< digest of the scene, for checkpoints
     std::vector<SceneObject> objects{};  ///< objects of the scene, if ground truth is wanted
     std::optional<Denoiser> denoiser{};  ///< set at rank 0 only
-    Ranks* ranks = nullptr;              ///< the ranks that render together; nullptr: this process renders alone
-    bool has_guiding_option = false;     ///< whether an option, and not a rule, decided settings.guiding
+    std::optional<Reference> reference{};
+    Ranks* ranks = nullptr;           ///< the ranks that render together; nullptr: this process renders alone
+    bool has_guiding_option = false;  ///< whether an option, and not a rule, decided settings.guiding
     bool stats = false;
 };
 

@@ -50,6 +50,7 @@ int render_image(const RenderPlan& plan, const ImageOptions& files, const Render
     images.report_result(film, summary, rendering.was_interrupted, {watch, rendering.end()});
     if (!all_written) return exit_error;
     if (rendering.was_interrupted) return exit_interrupted;
+    if (!images.is_like_reference(film, summary)) return exit_not_reference;
     return watch.has_goal() && !watch.is_reached() ? exit_not_reached : exit_ok;
 }
 

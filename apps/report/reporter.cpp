@@ -14,6 +14,7 @@
 #include "commands/commands.h"
 #include "process/streams.h"
 #include "report/cost_sheet.h"
+#include "report/difference_report.h"
 
 namespace fathom::cli {
 
@@ -233,6 +234,16 @@ void Reporter::fireflies(const Film::Fireflies& found, double clamp)
                     "{:.2g} (biased), "
                     "would remove them",
                     100 * found.samples, 100 * std::min(found.noise, 1.0), clamp));
+}
+
+void Reporter::comparison(const Comparison& comparison)
+{
+    if (mode_ == ReportMode::json) {
+        nlohmann::json event = difference_json(comparison);
+        event["event"] = "comparison";
+        return print_event(event);
+    }
+    for (const std::string& line : difference_text(comparison)) note(line);
 }
 
 void Reporter::image_error(const ErrorReport& report)

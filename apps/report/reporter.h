@@ -13,6 +13,8 @@
 
 namespace fathom::cli {
 
+struct Comparison;
+
 /// How a command reports to stderr.
 enum class ReportMode {
     quiet,     ///< only warnings
@@ -51,6 +53,7 @@ public:
     /// Reports where the rendering time went.
     void cost_sheet(const Summary& summary);
     void image_error(const ErrorReport& report);
+    void comparison(const Comparison& comparison);
     /// clamp  value of --clamp-indirect that would remove the fireflies
     void fireflies(const Film::Fireflies& fireflies, double clamp);
 

@@ -3,12 +3,13 @@
 
 #include <algorithm>
 
-#include "bitmap_font.h"
+#include "report/bitmap_font.h"
 
 namespace fathom::view {
 
 void Overlay::draw(sf::RenderTarget& target, const std::vector<std::string>& lines, Corner corner)
 {
+    using cli::BitmapFont;
     constexpr int cell_width = BitmapFont::cell_width, cell_height = BitmapFont::cell_height, margin = 6;
     if (!loaded_) {
         if (!font_.create(BitmapFont::characters * cell_width, cell_height)) return;

@@ -37,6 +37,8 @@ _PROGRAM = {
     "mpi": "use the program",
     "nice": "use os.nice()",
     "only_sample": "use the program",
+    "reference": "use fathom.diff()",
+    "tolerance": "use fathom.diff()",
     "help": "see docs/python.md",
 }
 

@@ -9,6 +9,8 @@ namespace fathom::python {
 void bind_scene(nanobind::module_& module);
 /// Adds Film.
 void bind_film(nanobind::module_& module);
+/// Adds Comparable and compare().
+void bind_difference(nanobind::module_& module);
 /// Adds Layers, an image in memory.
 void bind_layers(nanobind::module_& module);
 /// Adds Views, ViewArrays and prepare_views().

@@ -11,6 +11,7 @@ NB_MODULE(_fathom, module)
     module.attr("__version__") = FATHOM_VERSION;
     fathom::python::bind_error(module);
     fathom::python::bind_layers(module);
+    fathom::python::bind_difference(module);
     fathom::python::bind_film(module);
     fathom::python::bind_run(module);
     fathom::python::bind_scene(module);

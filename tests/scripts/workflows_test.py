@@ -1,16 +1,18 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
 """Checks the files of .github: workflows run ./test.sh on the supported systems and publish the site, and issue forms are
-complete.
+complete. Checks the workflow of docs/diff.md, which uses the action of this repository.
 
 usage: workflows_test.py ROOT               checks the text and then the YAML; exit status 77 (skipped) without Python's yaml
        workflows_test.py ROOT --actionlint  runs actionlint (a Go program) from PATH, $ACTIONLINT or ~/go/bin; exit status 77
                                             without it
 """
 import os
+import re
 import shutil
 import subprocess
 import sys
+import tempfile
 import unittest
 from pathlib import Path
 
@@ -34,7 +36,21 @@ def actionlint():
         print("actionlint is not installed: skipped (go install github.com/rhysd/actionlint/cmd/actionlint@latest)")
         return SKIPPED
     files = sorted((GITHUB / "workflows").glob("*.y*ml"))
-    return subprocess.run([program, "-no-color", *map(str, files)]).returncode
+    own = subprocess.run([program, "-no-color", *map(str, files)]).returncode
+    return own or lint_documented_workflow(program)
+
+
+def lint_documented_workflow(program):
+    """Runs actionlint on the workflow of docs/diff.md in a repository with the action, so that its inputs are checked."""
+    block, = re.findall(r"^```yaml\n(.*?)^```$", (GITHUB.parent / "docs/diff.md").read_text(), re.S | re.M)
+    assert "uses: OWNER/fathom@main" in block
+    with tempfile.TemporaryDirectory() as name:
+        workflows = Path(name) / ".github/workflows"
+        workflows.mkdir(parents=True)
+        (Path(name) / ".git").mkdir()
+        shutil.copy(GITHUB.parent / "action.yml", name)
+        (workflows / "renders.yml").write_text(block.replace("OWNER/fathom@main", "./"))
+        return subprocess.run([program, "-no-color"], cwd=name).returncode
 
 
 class Text(unittest.TestCase):

@@ -80,7 +80,7 @@ class Usage(CommandLine):
         of_files_only = {"--output", "--png-bits", "--exr", "--exr-primaries", "--aov", "--mergeable", "--samples", "--only-sample", "--time",
                          "--crop", "--quiet", "--progress", "--frames", "--turntable", "--fps", "--shutter", "--quality", "--stats",
                          "--part", "--checkpoint", "--every", "--mpi", "--error", "--error-metric", "--output-format", "--watch",
-                         "--views", "--on", "--cameras", "--dataset", "--models", "--ground-truth"}
+                         "--views", "--on", "--cameras", "--dataset", "--models", "--ground-truth", "--reference", "--tolerance"}
         self.assertEqual(options("render") - options("view"), of_files_only)
         self.assertEqual(options("view") - options("render"), {"--log-latency", "--script-moves"})
         self.assertIn("--scene", options("info"))

@@ -3,7 +3,7 @@
 
 #include <array>
 
-namespace fathom::view {
+namespace fathom::cli {
 
 namespace {
 
@@ -128,4 +128,4 @@ std::vector<unsigned char> BitmapFont::atlas()
     return rgba;
 }
 
-}  // namespace fathom::view
+}  // namespace fathom::cli

@@ -3,7 +3,7 @@
 #include <string_view>
 #include <vector>
 
-namespace fathom::view {
+namespace fathom::cli {
 
 /// A small built-in fixed-width font for ASCII from space to tilde, so that text needs no font file.
 struct BitmapFont {
@@ -17,4 +17,4 @@ struct BitmapFont {
     static std::vector<unsigned char> atlas();
 };
 
-}  // namespace fathom::view
+}  // namespace fathom::cli
