@@ -2,6 +2,7 @@
 #pragma once
 #include "guiding/records.h"
 #include "math/elementary.h"
+#include "math/spectrum.h"
 #include "math/vec3.h"
 #include "sampling/inversion.h"
 #include "sampling/sobol.h"
@@ -73,6 +74,13 @@ inline Float nee_probability(const GuidingTables& tables, UInt cube, Float throu
     return clamp(gather(tables.nee_factors.data(), select(m, cube, UInt(0u)), m) * throughput, Float(least), Float(1));
 }
 
+/// Throughput that efficiency-aware roulette expects after scattering; mean of the channels. It is a little more than
+/// the throughput on arrival times the color, because black surfaces may have coats that reflect.
+inline Float expected_throughput(const Spectrum& arriving, const Spectrum& base_color)
+{
+    return mean(arriving * (base_color + Spectrum(Float(0.05f))));
+}
+
 /// Learned distribution of incident light at a gang of surface points; samples directions from it (path guiding).
 class Guidance {
 public:
@@ -88,7 +96,7 @@ public:
         const UInt region = gather(tables.regions.data(), cube_ * UInt(guiding_sides) + side_, m);
         known_ = m & (region != UInt(no_index));
         region_ = select(known_, region, UInt(0u));
-        share_ = select(known_, weight * Float(max_share), Float(0));
+        share_ = select(known_, weight * gather(tables.shares.data(), region_, known_), Float(0));
     }
 
     bool is_on() const { return tables_ != nullptr; }
@@ -96,7 +104,7 @@ public:
     Mask known() const { return known_; }
     /// Fraction of directions to take from sample(); 0 if the region has no learned distribution.
     Float share() const { return share_; }
-    /// Survival probability divided by (throughput times surface color), for Russian roulette.
+    /// Survival probability divided by expected_throughput(), for Russian roulette.
     Float survival_factor() const { return gather(tables_->survival_factors.data(), region_, known_); }
 
     /// Probability with which the shadow ray of a light sample is traced. brings: contribution of the sample if
@@ -136,9 +144,6 @@ public:
 private:
     static constexpr int band_shift = 4;
     static_assert(guiding_sectors == 1u << band_shift);
-    /// The closure keeps at least a third of the directions: it covers what the histogram misses and bounds the noise
-    /// where the histogram is wrong.
-    static constexpr float max_share = 0.65f;
 
     const GuidingTables* tables_ = nullptr;
     UInt cube_, side_, region_;

@@ -29,8 +29,10 @@ struct GuidingTables {
     std::uint32_t cells[3] = {};
     LargeVector<std::uint32_t> regions;  ///< region index by (cube, x fastest) * guiding_sides + side, or no_index
     LargeVector<float> histograms;       ///< cumulative histograms, guiding_stride values per region
-    double max_value = 0;                ///< upper limit that was applied to record values
-    /// Indexed by region: survival probability of a path divided by (throughput times surface color); see
+    /// Indexed by region: fraction of directions to sample from the histogram, where closures can be guided fully.
+    LargeVector<float> shares;
+    double max_value = 0;  ///< upper limit that was applied to record values
+    /// Indexed by region: survival probability of a path divided by expected_throughput(); see
     /// session/efficiency_roulette.h.
     LargeVector<float> survival_factors;
     /// Indexed by cube: probability of sampling a light divided by the throughput; see session/efficiency_roulette.h.
@@ -50,17 +52,26 @@ inline std::size_t guiding_cube(const GuidingTables& t, const float* position)
     return (at[2] * t.cells[1] + at[1]) * t.cells[0] + at[0];
 }
 
-/// Record of a path vertex on a surface that scattered the path.
+/// Record of a path vertex on a surface that scattered the path. Colors are means of their channels.
 struct GuidingRecord {
     static constexpr std::uint16_t no_bin = 0xffff;
+    /// Value of `guidable` for closures that can be guided fully.
+    static constexpr std::uint8_t fully_guidable = 255;
 
     float position[3];
-    std::uint16_t side = 0, bin = no_bin;  ///< histogram bin of the outgoing direction, or no_bin
-    /// Incident radiance along that direction times its cosine, divided by the density with which it was sampled; mean
-    /// of the channels.
+    std::uint8_t side = 0;
+    std::uint8_t guidable = 0;   ///< the closure's guided_weight(), times fully_guidable
+    std::uint16_t bin = no_bin;  ///< histogram bin of the outgoing direction, or no_bin
+    /// Incident radiance along that direction times its cosine, divided by the density with which it was sampled.
     float value = 0;
-    /// Contribution of the vertex's light sample, divided by the throughput of the path; mean of the channels.
+    /// Contribution of the vertex's light sample, divided by the throughput of the path.
     float light = 0;
+    /// Contribution of the outgoing direction to the radiance of the path.
+    float contribution = 0;
+    /// What roulette expects as the throughput after scattering: expected_throughput().
+    float throughput = 0;
+    /// Density of the outgoing direction by the closure alone, with respect to solid angle.
+    float bsdf_pdf = 0;
 };
 
 /// Records of training paths, path by path.

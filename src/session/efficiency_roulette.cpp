@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "session/deterministic_reduce.h"
 #include "session/guiding_tables.h"
@@ -16,8 +15,6 @@ namespace {
 constexpr double samples_of_mean = 32;
 /// Light sample probabilities are multiplied by this factor, because roulette destroys stratification.
 constexpr double nee_safety_factor = 1.5;
-/// Survival probabilities are multiplied by this factor, which was measured.
-constexpr double survival_safety_factor = 0.7;
 /// Cost of a ray that hits nothing, as a fraction of the cost of a vertex.
 constexpr double miss_cost = 0.5;
 /// Cost of a shadow ray, as a fraction of the cost of a vertex.
@@ -25,18 +22,6 @@ constexpr double shadow_cost = 0.2;
 /// Assumed fraction of unoccluded light samples. Measured fractions per cube would miss light where few samples arrive.
 constexpr double visible_fraction = 0.25;
 constexpr double max_factor = 1e30;
-
-/// Calls f(record, number of later records of its path, squared brightness of its pixel) for all records of a part.
-template <class F>
-void for_records(const PathStatistics::Part& part, std::size_t samples, const F& f)
-{
-    auto at = part.records->surfaces.begin();
-    std::size_t path = 0;
-    for (const std::uint8_t count : part.records->counts) {
-        const double square = part.squared_brightness[path++ / samples];
-        for (int after = count - 1; after >= 0; --after, ++at) f(*at, after, square);
-    }
-}
 
 /// Sums for each cube: squared light contributions relative to pixel brightness, inverse squared brightness, number of
 /// records.
@@ -110,8 +95,8 @@ PathSums path_sums(const PathStatistics& met, const GuidingTables& tables)
             if (r.bin == GuidingRecord::no_bin) return;
             const std::uint32_t region = tables.regions[region_index(r, tables)];
             if (region == no_index) return;
-            const double brought = std::min(double(r.value), tables.max_value) / std::numbers::pi;
-            if (square > 0) sums.squares[region] += brought * brought / square;
+            const double relative = r.throughput > 0 ? double(r.contribution) / double(r.throughput) : 0;
+            if (square > 0) sums.squares[region] += relative * relative / square;
             sums.costs[region] += after + miss_cost;
             ++sums.counts[region];
         });
@@ -144,7 +129,7 @@ void set_survival_factors(const PathStatistics& met, GuidingTables& tables)
     for (std::size_t i = 0; i < sums.counts.size(); ++i) {
         // In regions without data, paths continue.
         const double ratio = sums.costs[i] > 0 ? sums.squares[i] / sums.costs[i] : max_factor;
-        tables.survival_factors[i] = float(std::min(survival_safety_factor * std::sqrt(ratio * scale), max_factor));
+        tables.survival_factors[i] = float(std::min(std::sqrt(ratio * scale), max_factor));
     }
 }
 

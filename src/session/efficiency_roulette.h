@@ -4,26 +4,12 @@
 /// probabilities of next event estimation and of path continuation that minimize variance times cost. A probability is
 /// the throughput times the root of (second moment of the contribution over its cost in vertices), divided by the root
 /// of the same ratio for whole paths. Contributions are relative to the brightness of their pixels.
-#include <vector>
-
-#include "guiding/records.h"
+#include "session/path_statistics.h"
 
 namespace fathom {
 
 /// Measured cost of a light sample with its shadow ray, as a fraction of the cost of a vertex.
 inline constexpr double nee_cost = 0.25;
-
-/// Records of paths, with their mean cost and variance.
-struct PathStatistics {
-    struct Part {
-        const GuidingRecords* records;
-        const double* squared_brightness;  ///< indexed by pixel; `samples` consecutive paths belong to one pixel
-    };
-    std::vector<Part> parts;
-    std::size_t samples = 0;  ///< number of paths per pixel
-    double vertices = 0;      ///< mean number of vertices of a path
-    double variance = 0;      ///< variance of a path over the squared brightness of its pixel
-};
 
 /// Sets GuidingTables::nee_factors.
 void set_nee_factors(const PathStatistics& met, GuidingTables& tables);

@@ -8,6 +8,7 @@
 
 #include "film/film_data.h"
 #include "session/efficiency_roulette.h"
+#include "session/guiding_shares.h"
 #include "session/guiding_tables.h"
 #include "session/variance_estimate.h"
 
@@ -27,9 +28,9 @@ constexpr std::size_t trial_step = 2;
 /// Measured cost of guiding for a vertex, relative to an unguided vertex. The absolute cost is about 14 ns in both
 /// cases, but vertices are cheaper without a BVH.
 constexpr double guidance_cost = 0.08, guidance_cost_without_tree = 0.22;
-/// Minimum gain for which guiding is used. The estimate is uncertain, and unguided paths gain from stratification with
-/// more samples per pixel than the trial has.
-constexpr double min_gain = 1.05;
+/// Minimum estimated gain for which guiding is used. The estimate is a tenth too low in most scenes
+/// (docs/measurements/guiding.md), so this is close to no loss.
+constexpr double min_gain = 0.95;
 /// If next event estimation would be done at more than this fraction of vertices, it is done at all of them, because
 /// the decision takes time, too.
 constexpr double max_light_samples = 0.5;
@@ -142,9 +143,29 @@ std::vector<T> every_nth(const std::vector<T>& all, std::size_t step)
     return some;
 }
 
-/// Ratio of variance times cost without and with guiding, over the trial's pixels. guidance: as in Pass::cost.
-double gain(const Pass& plain, const Pass& guided, double guidance)
+/// Sets the shares of tables by cross-validation: histograms of one half of the plain paths are tried on the other
+/// half. Then the histograms are those of all `parts` again.
+void choose_shares(const PathStatistics& plain, const std::vector<const GuidingRecords*>& parts, GuidingTables& tables)
 {
+    const std::size_t half = plain.parts.size() / 2;
+    PathStatistics others = plain;
+    others.parts.erase(others.parts.begin(), others.parts.begin() + std::ptrdiff_t(half));
+    learn_histograms({parts.begin(), parts.begin() + std::ptrdiff_t(half)}, tables);
+    set_shares(others, tables);
+    learn_histograms(parts, tables);
+}
+
+/// Plain paths that were learned from, and guided paths through every trial_step-th of their pixels.
+struct Trial {
+    Pass plain, guided;
+    std::vector<double> squares;  ///< squared brightness of the plain paths' pixels
+    bool samples_all = false;     ///< whether guided paths sample a light at every vertex
+};
+
+/// Ratio of variance times cost without and with guiding, over the trial's pixels. guidance: as in Pass::cost.
+double gain(const Trial& trial, double guidance)
+{
+    const Pass &plain = trial.plain, &guided = trial.guided;
     const std::vector<PixelVariance>& after = guided.spreads;
     const std::vector<PixelVariance> before = every_nth(plain.spreads, trial_step);
     std::vector<PixelVariance> both(after.size());
@@ -153,6 +174,41 @@ double gain(const Pass& plain, const Pass& guided, double guidance)
     const double share = double(guided.spreads.size()) / double(plain.spreads.size());
     return mean_relative_variance(before, squares) / std::max(mean_relative_variance(after, squares), 1e-30) * share *
            plain.cost(0) / std::max(guided.cost(guidance), 1.0);
+}
+
+/// Tables for the trial, from its plain paths; nullptr if they found too little light.
+std::shared_ptr<GuidingTables> tables_to_try(const Trial& trial)
+{
+    std::vector<const GuidingRecords*> parts;
+    trial.plain.append_to(parts);
+    std::shared_ptr<GuidingTables> tables = make_guiding(parts);
+    if (!tables) return nullptr;
+    const PathStatistics met = path_statistics(trial.plain, trial.squares);
+    choose_shares(met, parts, *tables);
+    if (trial.plain.light_samples > 0) set_nee_factors(met, *tables);
+    set_survival_factors(met, *tables);
+    return tables;
+}
+
+/// Tables for the image, from all paths of the trial.
+std::shared_ptr<const GuidingTables> final_tables(const Trial& trial)
+{
+    std::vector<const GuidingRecords*> parts;
+    trial.plain.append_to(parts);
+    trial.guided.append_to(parts);
+    const std::shared_ptr<GuidingTables> tables = make_guiding(parts);
+    if (!tables) return nullptr;
+    const PathStatistics met = path_statistics(trial.plain, trial.squares);
+    choose_shares(met, parts, *tables);
+    const bool samples_lights = trial.plain.light_samples > 0;
+    if (samples_lights && !trial.samples_all) set_nee_factors(met, *tables);
+    // All later paths are guided, so costs and contributions are those of the guided paths.
+    const std::vector<double> tried_squares = every_nth(trial.squares, trial_step);
+    PathStatistics met_by_all = path_statistics(trial.guided, tried_squares);
+    met_by_all.parts.insert(met_by_all.parts.begin(), met.parts.begin(), met.parts.end());
+    set_survival_factors(met_by_all, *tables);
+    if (samples_lights) set_shadow_ray_factors(met_by_all, *tables);
+    return tables;
 }
 
 }  // namespace
@@ -166,32 +222,19 @@ std::shared_ptr<const GuidingTables> train_guiding(const KernelScene& scene, con
         spread_pixels(settings.width, settings.height, paths / (min_sets * min_samples));
     const std::size_t sets = std::clamp(paths / (min_samples * pixels.size()), min_sets, max_sets);
     const std::size_t samples = std::max(min_samples, paths / (sets * pixels.size()));
-    const Pass plain = trace(scene, camera, settings, {pixels, sets, samples, 0x9e3779b9u}, cancel);
-    std::vector<const GuidingRecords*> parts;
-    plain.append_to(parts);
-    const std::shared_ptr<GuidingTables> first = make_guiding(parts);
+    Trial trial;
+    trial.plain = trace(scene, camera, settings, {pixels, sets, samples, 0x9e3779b9u}, cancel);
+    trial.squares = squared_brightness(trial.plain.spreads);
+    const std::shared_ptr<GuidingTables> first = tables_to_try(trial);
     if (!first) return nullptr;
-    const std::vector<double> squares = squared_brightness(plain.spreads),
-                              tried_squares = every_nth(squares, trial_step);
-    const PathStatistics met = path_statistics(plain, squares);
-    if (plain.light_samples > 0) set_nee_factors(met, *first);
-    set_survival_factors(met, *first);
     KernelSettings with_first = settings;
     with_first.guiding = first.get();
-    Pass guided = trace(scene, camera, with_first, {every_nth(pixels, trial_step), sets, samples, 0x85ebca6bu}, cancel);
-    const bool samples_all = double(guided.light_samples) > max_light_samples * double(guided.vertices);
-    if (samples_all) guided.light_samples = guided.vertices;
-    if (gain(plain, guided, scene.has_tree() ? guidance_cost : guidance_cost_without_tree) < min_gain) return nullptr;
-    guided.append_to(parts);
-    const std::shared_ptr<GuidingTables> tables = make_guiding(parts);
-    if (!tables) return nullptr;
-    if (plain.light_samples > 0 && !samples_all) set_nee_factors(met, *tables);
-    // All later paths are guided, so costs and contributions are those of the trial.
-    PathStatistics met_by_all = path_statistics(guided, tried_squares);
-    met_by_all.parts.insert(met_by_all.parts.begin(), met.parts.begin(), met.parts.end());
-    set_survival_factors(met_by_all, *tables);
-    if (plain.light_samples > 0) set_shadow_ray_factors(met_by_all, *tables);
-    return tables;
+    const std::vector<std::uint32_t> tried = every_nth(pixels, trial_step);
+    trial.guided = trace(scene, camera, with_first, {tried, sets, samples, 0x85ebca6bu}, cancel);
+    trial.samples_all = double(trial.guided.light_samples) > max_light_samples * double(trial.guided.vertices);
+    if (trial.samples_all) trial.guided.light_samples = trial.guided.vertices;
+    if (gain(trial, scene.has_tree() ? guidance_cost : guidance_cost_without_tree) < min_gain) return nullptr;
+    return final_tables(trial);
 }
 
 }  // namespace fathom

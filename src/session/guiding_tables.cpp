@@ -129,25 +129,28 @@ std::vector<std::uint32_t> number_regions(const std::vector<std::uint32_t>& coun
     return known;
 }
 
-/// Records' values by region and bin.
+/// Records' values by region and bin, and number of records by region.
 struct BinSums {
     std::vector<double> bins;
+    std::vector<std::uint32_t> counts;
 
+    explicit BinSums(std::size_t regions) : bins(regions * guiding_bins), counts(regions) {}
     void add(const BinSums& o)
     {
         for (std::size_t i = 0; i < bins.size(); ++i) bins[i] += o.bins[i];
+        for (std::size_t i = 0; i < counts.size(); ++i) counts[i] += o.counts[i];
     }
 };
 BinSums sum_by_bin(const Parts& parts, const GuidingTables& t, std::size_t regions)
 {
-    return deterministic_reduce(
-        parts.size(), BinSums{std::vector<double>(regions * guiding_bins)}, [&](std::size_t part, BinSums& sums) {
-            for_directions(*parts[part], [&](const GuidingRecord& r) {
-                const std::uint32_t region = t.regions[region_index(r, t)];
-                if (region == no_index) return;
-                sums.bins[std::size_t(region) * guiding_bins + r.bin] += std::min(double(r.value), t.max_value);
-            });
+    return deterministic_reduce(parts.size(), BinSums(regions), [&](std::size_t part, BinSums& sums) {
+        for_directions(*parts[part], [&](const GuidingRecord& r) {
+            const std::uint32_t region = t.regions[region_index(r, t)];
+            if (region == no_index) return;
+            sums.bins[std::size_t(region) * guiding_bins + r.bin] += std::min(double(r.value), t.max_value);
+            ++sums.counts[region];
         });
+    });
 }
 
 /// Writes the cumulative histogram of a region's bins.
@@ -201,6 +204,15 @@ void share_with_neighbors(const GuidingTables& t, const std::vector<std::uint32_
     });
 }
 
+void learn_histograms(const Parts& parts, GuidingTables& t)
+{
+    const std::size_t regions = t.histograms.size() / guiding_stride;
+    BinSums sums = sum_by_bin(parts, t, regions);
+    share_with_neighbors(t, sums.counts, guiding_bins, sums.bins);
+    for (std::size_t i = 0; i < regions; ++i)
+        write_histogram(&sums.bins[i * guiding_bins], &t.histograms[i * guiding_stride]);
+}
+
 std::shared_ptr<GuidingTables> make_guiding(const std::vector<const GuidingRecords*>& parts)
 {
     const std::vector<GuidingRecord> few = thin_out(parts);
@@ -212,11 +224,9 @@ std::shared_ptr<GuidingTables> make_guiding(const std::vector<const GuidingRecor
     const std::vector<std::uint32_t> counts = number_regions(by_place.count, t);
     if (counts.empty()) return nullptr;
     t.max_value = max_of_mean * by_place.values / by_place.records;
-    std::vector<double> bins = sum_by_bin(parts, t, counts.size()).bins;
-    share_with_neighbors(t, counts, guiding_bins, bins);
     t.histograms.resize(counts.size() * guiding_stride);
-    for (std::size_t i = 0; i < counts.size(); ++i)
-        write_histogram(&bins[i * guiding_bins], &t.histograms[i * guiding_stride]);
+    t.shares.resize(counts.size());
+    learn_histograms(parts, t);
     return tables;
 }
 

@@ -7,8 +7,12 @@
 
 namespace fathom {
 
-/// Makes guiding tables of the records, without roulette factors; returns nullptr if there are too few records.
+/// Makes guiding tables of the records, without roulette factors and with shares of 0; returns nullptr if there are too
+/// few records.
 std::shared_ptr<GuidingTables> make_guiding(const std::vector<const GuidingRecords*>& parts);
+
+/// Replaces the histograms of tables by those of other records. Regions and limits stay as they are.
+void learn_histograms(const std::vector<const GuidingRecords*>& parts, GuidingTables& tables);
 
 /// Index of a record's region in GuidingTables::regions.
 inline std::size_t region_index(const GuidingRecord& r, const GuidingTables& t)

@@ -33,7 +33,7 @@ from example_files import SCENE, write_example_files  # noqa: E402
 PAGES = ["README.md", "SECURITY.md",
          *(f"docs/{name}.md" for name in (
              "install", "troubleshooting", "pipes", "cli", "error", "denoising", "formats", "gallery", "coming-from",
-             "limits", "long-renders", "clusters", "untrusted-files", "python", "library", "datasets")),
+             "limits", "long-renders", "clusters", "untrusted-files", "python", "library", "datasets", "diff")),
          *sorted(str(page.relative_to(ROOT)) for page in (ROOT / "docs" / "farm").glob("*.md"))]
 
 BARE = "scripts/bare_machine_test.sh runs it in a minimal system"

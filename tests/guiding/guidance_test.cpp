@@ -32,6 +32,7 @@ GuidingTables some_tables(unsigned seed)
         }
         t.histograms.push_back(1);
         t.survival_factors.push_back(float(side));
+        t.shares.push_back(0.1f * float(side));
     }
     return t;
 }
@@ -93,7 +94,8 @@ TEST(Guidance, KnowsTheSideThatASurfaceFaces)
     }
 }
 
-/// Without guiding data the density is that of the closure; less reliable histograms get a lower weight.
+/// Without guiding data the density is that of the closure. The share is that of the region, and smaller for closures
+/// that can be guided less.
 TEST(Guidance, SharesDirectionsWithTheClosure)
 {
     const GuidingTables t = some_tables(5);
@@ -103,11 +105,11 @@ TEST(Guidance, SharesDirectionsWithTheClosure)
     EXPECT_EQ(test::first(unknown.share()), 0);
     EXPECT_EQ(test::first(unknown.pdf(d, Float(0.7f))), 0.7f);
     const Guidance most = guidance_of(t, middle, normals[4], 1), half = guidance_of(t, middle, normals[4], 0.5f);
-    EXPECT_EQ(test::first(most.share()), 0.65f);
-    EXPECT_EQ(test::first(half.share()), 0.325f);
+    EXPECT_FLOAT_EQ(test::first(most.share()), 0.4f);
+    EXPECT_FLOAT_EQ(test::first(half.share()), 0.2f);
     const float own = test::first(most.histogram_pdf(d));
-    EXPECT_NEAR(test::first(most.pdf(d, Float(0.7f))), 0.65f * own + 0.245f, 1e-6f);
-    EXPECT_NEAR(test::first(half.pdf(d, Float(0.7f))), 0.325f * own + 0.4725f, 1e-6f);
+    EXPECT_NEAR(test::first(most.pdf(d, Float(0.7f))), 0.4f * own + 0.42f, 1e-6f);
+    EXPECT_NEAR(test::first(half.pdf(d, Float(0.7f))), 0.2f * own + 0.56f, 1e-6f);
 }
 
 /// Positions outside the grid use the nearest cell; positions are jittered by up to half a cell.

@@ -19,7 +19,7 @@ GuidingTables row_of_cubes(std::uint32_t count)
 
 GuidingRecord surface(float x, float light)
 {
-    GuidingRecord r{{x, 0.5f, 0.5f}, 0, GuidingRecord::no_bin, 0, 0};
+    GuidingRecord r{{x, 0.5f, 0.5f}};
     r.light = light;
     return r;
 }
@@ -138,9 +138,12 @@ TEST(ShadowRayFactors, CompareShadowRaysWithPixels)
 }
 
 /// Record of a surface at which the path continued.
-GuidingRecord continued_surface(float x, std::uint16_t side, float value)
+GuidingRecord continued_surface(float x, std::uint8_t side, float contribution, float throughput = 1)
 {
-    return {{x, 0.5f, 0.5f}, side, 0, value, 0};
+    GuidingRecord r{{x, 0.5f, 0.5f}, side};
+    r.bin = 0;
+    r.contribution = contribution, r.throughput = throughput;
+    return r;
 }
 
 /// Tables with a region of side 0 in each cell.
@@ -150,28 +153,26 @@ GuidingTables row_of_regions(std::uint32_t count)
     t.regions.assign(std::size_t(count) * guiding_sides, no_index);
     for (std::uint32_t i = 0; i < count; ++i) t.regions[std::size_t(i) * guiding_sides] = i;
     t.histograms.resize(std::size_t(count) * guiding_stride);
-    t.max_value = 1e30;
     return t;
 }
 
-/// Values are radiance times pi. A path's contribution counts relative to its pixel, and per later vertex.
+/// A path's contribution counts relative to its throughput and its pixel, and per later vertex.
 TEST(SurvivalFactors, WeighContributionByCost)
 {
-    constexpr float pi = 3.14159265f;
     // The last surfaces of two paths have no continuation; other sides and cells without data are ignored.
     const GuidingRecords part =
-        part_of({{continued_surface(0.5f, 0, 2 * pi), surface(2.5f, 9), surface(2.5f, 9)},
-                 {continued_surface(0.5f, 0, 6 * pi)},
-                 {continued_surface(0.5f, 3, 50 * pi), continued_surface(2.5f, 0, 1 * pi), surface(0.5f, 9)}});
+        part_of({{continued_surface(0.5f, 0, 2), surface(2.5f, 9), surface(2.5f, 9)},
+                 {continued_surface(0.5f, 0, 3, 0.5f)},
+                 {continued_surface(0.5f, 3, 50), continued_surface(2.5f, 0, 1), surface(0.5f, 9)}});
     const double squares[] = {4, 9, 0.25};
     GuidingTables t = row_of_regions(4);
     set_survival_factors(path_statistics(part, squares, 1, 3.5, 8), t);
     ASSERT_EQ(t.survival_factors.size(), 4u);
     // The ratio is squared contribution over squared brightness: 4 / 4 + 36 / 9 = 5 for 2.5 + 0.5 vertices; a whole
     // path costs 3.5 + 0.5.
-    EXPECT_FLOAT_EQ(t.survival_factors[0], float(0.7 * std::sqrt(5 / 3.0 * 4 / 8)));
+    EXPECT_FLOAT_EQ(t.survival_factors[0], float(std::sqrt(5 / 3.0 * 4 / 8)));
     // The third path adds 1 / 0.25 for a cost of 1 + 0.5 vertices.
-    EXPECT_FLOAT_EQ(t.survival_factors[2], float(0.7 * std::sqrt(4 / 1.5 * 4 / 8)));
+    EXPECT_FLOAT_EQ(t.survival_factors[2], float(std::sqrt(4 / 1.5 * 4 / 8)));
     // The fourth cell, in a block with the third, has no records, so paths always survive there.
     EXPECT_GE(t.survival_factors[3], 1e10f);
 }
@@ -179,38 +180,36 @@ TEST(SurvivalFactors, WeighContributionByCost)
 /// Cells of a block share half of their statistics, record by record.
 TEST(SurvivalFactors, AreShared)
 {
-    constexpr float pi = 3.14159265f;
-    const GuidingRecords part = part_of({{continued_surface(0.5f, 0, 2 * pi)},
-                                         {continued_surface(0.5f, 0, 2 * pi)},
-                                         {continued_surface(0.5f, 0, 2 * pi)},
+    const GuidingRecords part = part_of({{continued_surface(0.5f, 0, 2)},
+                                         {continued_surface(0.5f, 0, 2)},
+                                         {continued_surface(0.5f, 0, 2)},
                                          {continued_surface(1.5f, 0, 0)}});
     const double squares[] = {1};
     GuidingTables t = row_of_regions(2);
     set_survival_factors(path_statistics(part, squares, 4, 0.5, 1), t);
     // All four have a mean square of 3 for half a vertex each, while a path costs one vertex.
-    EXPECT_FLOAT_EQ(t.survival_factors[0], float(0.7 * std::sqrt((0.5 * 4 + 0.5 * 3) / 0.5)));
-    EXPECT_FLOAT_EQ(t.survival_factors[1], float(0.7 * std::sqrt(0.5 * 3 / 0.5)));
+    EXPECT_FLOAT_EQ(t.survival_factors[0], float(std::sqrt((0.5 * 4 + 0.5 * 3) / 0.5)));
+    EXPECT_FLOAT_EQ(t.survival_factors[1], float(std::sqrt(0.5 * 3 / 0.5)));
 }
 
-/// Values above the limit for a single record don't dominate, and records without information give finite factors.
+/// Records without information give finite factors.
 TEST(SurvivalFactors, AreFinite)
 {
-    constexpr float pi = 3.14159265f;
-    std::vector<std::vector<GuidingRecord>> paths(999, {continued_surface(0.5f, 0, pi)});
-    paths.push_back({continued_surface(0.5f, 0, 1e8f * pi)});
-    const GuidingRecords bright = part_of(paths), dark = part_of({{continued_surface(0.5f, 0, 0)}});
-    const double most = 200 * (999 + 1e8) / 1000;
-    const auto need = [&](const GuidingRecords& part, double square, double variance) {
+    const GuidingRecords bright = part_of({{continued_surface(0.5f, 0, 1)}}),
+                         dark = part_of({{continued_surface(0.5f, 0, 0)}}),
+                         black = part_of({{continued_surface(0.5f, 0, 1, 0)}});
+    const auto need = [](const GuidingRecords& part, double square, double variance) {
         GuidingTables t = row_of_regions(1);
-        t.max_value = most * pi;
-        set_survival_factors(path_statistics(part, &square, part.counts.size(), 0.5, variance), t);
+        set_survival_factors(path_statistics(part, &square, 1, 0.5, variance), t);
         return t.survival_factors[0];
     };
-    EXPECT_NEAR(need(bright, 1, 1) / (0.7 * std::sqrt((999 + most * most) / 500)), 1, 1e-4);
+    // The record has half a vertex after it, and a whole path costs one.
+    EXPECT_FLOAT_EQ(need(bright, 1, 1), std::sqrt(2.f));
     EXPECT_EQ(need(dark, 1, 1), 0);
+    EXPECT_EQ(need(black, 1, 1), 0);
     EXPECT_EQ(need(bright, 0, 1), 0);
     EXPECT_EQ(need(bright, 1, 0), 0);
-    EXPECT_FLOAT_EQ(need(bright, 1e-300, 1), 1e30f);
+    EXPECT_FLOAT_EQ(need(bright, 1e-300, 1e-300), 1e30f);
 }
 
 }  // namespace

@@ -13,7 +13,9 @@ GuidingRecords row_of_surfaces(int count)
 {
     GuidingRecords part;
     for (int i = 0; i < count; ++i) {
-        part.surfaces.push_back({{(float(i) + 0.5f) / float(count), 0.5f, 0.5f}, 0, usual_bin, 1, 0});
+        GuidingRecord r{{(float(i) + 0.5f) / float(count), 0.5f, 0.5f}};
+        r.bin = usual_bin, r.value = 1;
+        part.surfaces.push_back(r);
         part.counts.push_back(1);
     }
     return part;
@@ -50,6 +52,20 @@ TEST(GuidingTables, RegionsShareWithTheirBlock)
     EXPECT_NEAR(bin_probability(*t, 2, other_bin), even, 1e-4f);
     // Values are limited to 200 times their mean.
     EXPECT_DOUBLE_EQ(t->max_value, 200);
+}
+
+/// Histograms can be learned again from other records, in the regions of all.
+TEST(GuidingTables, LearnHistogramsAgain)
+{
+    const GuidingRecords part = row_of_surfaces(40000);
+    GuidingRecords other = row_of_surfaces(40000);
+    for (GuidingRecord& r : other.surfaces) r.bin = other_bin;
+    const std::shared_ptr<GuidingTables> t = make_guiding({&part, &other});
+    learn_histograms({&other}, *t);
+    EXPECT_LT(bin_probability(*t, 0, usual_bin), 0.01f);
+    EXPECT_GT(bin_probability(*t, 0, other_bin), 0.6f);
+    learn_histograms({&part, &other}, *t);
+    EXPECT_FLOAT_EQ(bin_probability(*t, 0, usual_bin), bin_probability(*t, 0, other_bin));
 }
 
 /// Without enough records there are no tables.

@@ -39,23 +39,29 @@ public:
             vertices_[first_vertex(paths, i) + bounce] = v;
         }
     }
-    /// Records the directions in which paths leave vertex number `bounce`, with shading normal n.
-    ///
-    /// number: number of each path. throughput: throughput after scattering. pdf: density of wi with respect to solid
-    /// angle.
-    void record_directions(UInt number, UInt bounce, const Vec3& n, const Vec3& wi, Float pdf,
-                           const Spectrum& throughput, Mask m)
+    /// How paths leave a vertex. Densities are with respect to solid angle.
+    struct Departure {
+        Vec3 n, wi;               ///< shading normal and direction
+        Float pdf, bsdf_pdf;      ///< density of wi, and that by the closure alone
+        Spectrum throughput;      ///< after scattering
+        Float arrived, guidable;  ///< GuidingRecord::throughput, and guided_weight() of the closure
+    };
+    /// Records the directions in which paths leave vertex number `bounce`. number: number of each path.
+    void record_directions(UInt number, UInt bounce, const Departure& d, Mask m)
     {
-        const Float factor = abs(dot(n, wi)) / (pdf * mean(throughput));
+        const Float factor = abs(dot(d.n, d.wi)) / (d.pdf * mean(d.throughput));
         m &= less(bounce, UInt(max_vertices)) & (factor > Float(0)) & (factor < Float(1e30f));
-        const UInt side = guiding_side(n);
-        float factors[lanes];
+        const UInt side = guiding_side(d.n);
+        float factors[lanes], pdfs[lanes], arrived[lanes], guidable[lanes];
+        store(pdfs, d.bsdf_pdf), store(arrived, d.arrived);
+        store(guidable, d.guidable * Float(float(GuidingRecord::fully_guidable)));
         std::uint32_t at[lanes], sides[lanes], bins[lanes];
         store(factors, factor), store(at, number * UInt(max_vertices) + bounce);
-        store(sides, side), store(bins, guiding_bin(side, wi));
+        store(sides, side), store(bins, guiding_bin(side, d.wi));
         for_each_active(m, [&](int i) {
             Vertex& v = vertices_[at[i]];
-            v.side = std::uint16_t(sides[i]), v.bin = std::uint16_t(bins[i]), v.factor = factors[i];
+            v.side = std::uint8_t(sides[i]), v.bin = std::uint16_t(bins[i]), v.factor = factors[i];
+            v.guidable = std::uint8_t(guidable[i]), v.bsdf_pdf = pdfs[i], v.arrived = arrived[i];
         });
     }
     /// Records the contributions of light samples at the last vertices. Must run before emission along the new
@@ -92,11 +98,13 @@ private:
     /// A recorded path vertex.
     struct Vertex {
         float position[3];
-        std::uint16_t side = 0, bin = GuidingRecord::no_bin;
-        float factor = 0;      ///< cosine / (pdf * mean throughput): scales radiance to the record's value
-        float throughput = 0;  ///< throughput of the path on arrival; 0: no such vertex
-        float before = 0;      ///< radiance of the path on arrival
-        float lit = 0;         ///< radiance of the path including the light sample of this vertex
+        std::uint8_t side = 0, guidable = 0;
+        std::uint16_t bin = GuidingRecord::no_bin;
+        float bsdf_pdf = 0, arrived = 0;  ///< GuidingRecord::bsdf_pdf and throughput
+        float factor = 0;                 ///< cosine / (pdf * mean throughput): scales radiance to the record's value
+        float throughput = 0;             ///< throughput of the path on arrival; 0: no such vertex
+        float before = 0;                 ///< radiance of the path on arrival
+        float lit = 0;                    ///< radiance of the path including the light sample of this vertex
     };
 
     void note_light(const PathPool& paths, std::size_t i)
@@ -108,8 +116,10 @@ private:
     /// all: final radiance of the path.
     static GuidingRecord record(const Vertex& v, float all)
     {
-        GuidingRecord r{{v.position[0], v.position[1], v.position[2]}, v.side, v.bin, 0, 0};
-        r.value = v.factor * std::max(all - v.lit, 0.f);
+        GuidingRecord r{{v.position[0], v.position[1], v.position[2]}, v.side, v.guidable, v.bin};
+        r.contribution = std::max(all - v.lit, 0.f);
+        r.value = v.factor * r.contribution;
+        r.throughput = v.arrived, r.bsdf_pdf = v.bsdf_pdf;
         r.light = std::max(v.lit - v.before, 0.f) / v.throughput;
         return r;
     }

@@ -105,13 +105,17 @@ private:
         enter_media(gang, at, next);
         Roulette roulette = roulette_by_throughput(settings_, gang.bounce, eta_scale, next.throughput);
         if (guidance.is_on()) {
-            const Float chance = mean(throughput * at.material.base_color) * guidance.survival_factor();
+            const Float chance = expected_throughput(throughput, at.material.base_color) * guidance.survival_factor();
             roulette = efficiency_roulette(guidance.known(), chance, gang.bounce, roulette);
         }
         const Mask ends = play_roulette<Closure>(gang, passage, roulette, next.throughput);
-        if (Closure::is_guided && recorder_.is_on())
-            recorder_.record_directions(paths_->number.load(i), gang.bounce, at.frame.n, next.wi, next.pdf,
-                                        next.throughput, valid & !ends & !next.is_delta);
+        if constexpr (Closure::is_guided)
+            if (recorder_.is_on())
+                recorder_.record_directions(
+                    paths_->number.load(i), gang.bounce,
+                    {at.frame.n, next.wi, next.pdf, next.scatter_pdf, next.throughput,
+                     expected_throughput(throughput, at.material.base_color), closure.guided_weight()},
+                    valid & !ends & !next.is_delta);
         paths_->state.store(i, select(ends, passage.state | UInt(PathPool::dead), passage.state), valid);
         store_next_ray(gang, hit, at, next, passage.undeflected);
         if (light_paths_ > 0) store_connection(gang, at, next, first, passage.undeflected);
