@@ -17,6 +17,7 @@ struct Synthetic {
     int width = 160, height = 120, samples = 64;
     double noise = 0.05;         ///< standard deviation of a pixel's mean
     double overstated = 4;       ///< the variance of its samples suggests this multiple of noise^2
+    double less_right = 1;       ///< the noise of the right half, though not that of its samples, is divided by this
     double left = 1, right = 1;  ///< r in both halves of the image
     std::uint32_t seed = 1;
     bool light_tracing = false;
@@ -30,6 +31,7 @@ struct Synthetic {
         s.light_paths = light_tracing ? 1 : 0;
         return s;
     }
+    double noise_at(int x) const { return x < width / 2 ? noise : noise / less_right; }
     double radiance(int x) const { return x < width / 2 ? left : right; }
 
     /// The film; `squares` receives the squared errors of its channels, weighted for the relative error.
@@ -46,7 +48,7 @@ struct Synthetic {
             for (int x = 0; x < width; ++x)
                 for (int c = 0; c < 3; ++c) {
                     std::uint32_t* const pixel = data.pixel(std::size_t(y) * std::size_t(width) + std::size_t(x));
-                    const double r = radiance(x), error = noise * normal(random), mean = r + error;
+                    const double r = radiance(x), error = noise_at(x) * normal(random), mean = r + error;
                     ExactSum::add_number(radiance_sum(pixel, c), n * mean);
                     const double variance = overstated * noise * noise;
                     ExactSquareSum::add_number(square_sum(pixel, c), n * (mean * mean + variance * (n - 1)));
@@ -62,7 +64,7 @@ struct Synthetic {
         for (const Probe& p : probes_of(width, settings().rendered_pixels()))
             for (std::size_t c = 0; c < 3; ++c)
                 ExactSum::add_number(other_sum(data.pixel(p.sums + c), data.layout.probe),
-                                     n * (radiance(p.x) + noise * normal(random)));
+                                     n * (radiance(p.x) + noise_at(p.x) * normal(random)));
         if (squares) *squares = sum / (3.0 * width * height);
         return film;
     }
@@ -92,6 +94,15 @@ TEST(ImageError, IntervalContainsTheErrorOfTheImage)
         // 95 % up to 2.5 standard deviations.
         EXPECT_GE(inside, 53) << overstated;
     }
+}
+
+/// The interval is as wide as 600 probes of three channels make it: the squared error has a relative standard deviation
+/// of (2 / 1800)^(1/2), so the error is known to 1.96 times 1.7 % to either side.
+TEST(ImageError, IntervalIsNoWiderThanProbesMakeIt)
+{
+    const ImageError error = estimate_error(Synthetic().film()).value();
+    EXPECT_GT((error.high - error.low) / error.error, 0.06);
+    EXPECT_LT((error.high - error.low) / error.error, 0.085);
 }
 
 /// Few pixels whose light comes by chance make most of the error, and no probe meets them. The variance of the others,
@@ -190,6 +201,26 @@ TEST(ImageError, LayerIsTheStandardError)
         squares += double(error) * double(error);
     }
     EXPECT_NEAR(std::sqrt(squares / double(layer.pixels.size())), s.noise, 0.05 * s.noise);
+}
+
+/// Where the variance of samples overstates more than elsewhere, though the samples look alike, the probes nearby
+/// correct the layer.
+TEST(ImageError, LayerIsCorrectedByPlace)
+{
+    Synthetic s;
+    s.width = 512, s.height = 256;
+    s.less_right = 2;
+    const Image::Layer layer = standard_error(s.film());
+    double left = 0, right = 0;
+    for (int y = 0; y < s.height; ++y)
+        for (int x = 0; x < s.width; ++x) {
+            const double error = double(layer.pixels[3 * (std::size_t(y) * std::size_t(s.width) + std::size_t(x))]);
+            (x < s.width / 2 ? left : right) += error * error / (s.width * s.height / 2.0);
+        }
+    // With one factor for the whole image both would be 0.625 times the squared noise of the left half.
+    const double square = s.noise * s.noise;
+    EXPECT_NEAR(left, square, 0.15 * square);
+    EXPECT_NEAR(right, square / 4, 0.15 * square);
 }
 
 /// A few samples that are far brighter than all others, of all sizes, make an error that can't be trusted.

@@ -40,6 +40,15 @@ TEST(ParetoTail, IsLightForUniformNumbers)
     EXPECT_LT(pareto_tail_shape(numbers), 0);
 }
 
+/// Only the largest numbers count, three times the root of their number: 4,788 small ones say nothing about the tail.
+TEST(ParetoTail, IsThatOfTheLargestNumbers)
+{
+    std::vector<float> numbers;
+    for (int i = 0; i < 4788; ++i) numbers.push_back(float(i) / 4788);
+    for (const float number : quantiles(0.8, 212)) numbers.push_back(1 + 0.2f * number);
+    EXPECT_NEAR(pareto_tail_shape(numbers), 0.8, 0.1);
+}
+
 TEST(ParetoTail, IsZeroWithoutATail)
 {
     EXPECT_EQ(pareto_tail_shape({}), 0);
