@@ -18,6 +18,12 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
+/// The number of views, as in `1 view` or `12 views`.
+std::string views_text(const ModelViews& views)
+{
+    return fmt::format("{} view{}", views.count(), views.count() == 1 ? "" : "s");
+}
+
 /// File that completes the folder of a data set and describes it.
 constexpr const char* description_file = "dataset.json";
 
@@ -243,8 +249,8 @@ private:
                            {"load_s", prepared.load_s},
                            {"render_s", *render_s},
                            {"warnings", warnings}});
-        reporter_.note(fmt::format("{} ({} of {}): {} views in {:.1f} s", model.name, done_ + failed_, models_.size(),
-                                   prepared.views->count(), *render_s));
+        reporter_.note(fmt::format("{} ({} of {}): {} in {:.1f} s", model.name, done_ + failed_, models_.size(),
+                                   views_text(*prepared.views), *render_s));
     }
 
     void fail(const ListedModel& model, const std::string& error, bool ended_process = false)
@@ -283,7 +289,7 @@ int render_single(const RenderOptions& o, Reporter& reporter)
     if (!render_s) return exit_interrupted;
     reporter.written(folder.string());
     reporter.note(
-        fmt::format("{} views in {:.1f} s, read in {:.1f} s", prepared.views->count(), *render_s, prepared.load_s));
+        fmt::format("{} in {:.1f} s, read in {:.1f} s", views_text(*prepared.views), *render_s, prepared.load_s));
     return exit_ok;
 }
 

@@ -25,8 +25,21 @@ std::vector<Camera> view_cameras(const RenderOptions& o, const LoadedScene& load
     return cameras_around(bounds, ring, lens, double(loaded.size.width) / loaded.size.height);
 }
 
+namespace {
+
+/// The options with what views do without unless it is asked for: learning for guiding, which starts anew for each view
+/// and would take a quarter of the time of a small image, and an estimate of the error, which nothing shows.
+RenderOptions view_options(RenderOptions o)
+{
+    if (!o.settings.guiding) o.settings.guiding = false;
+    if (!o.samples.error.goal) o.samples.error.is_estimated = false;
+    return o;
+}
+
+}  // namespace
+
 ModelViews::ModelViews(const RenderOptions& options, SceneFileContents contents, Reporter& reporter)
-    : options_(options), loaded_(set_up_scene(std::move(contents), options_.scene))
+    : options_(view_options(options)), loaded_(set_up_scene(std::move(contents), options_.scene))
 {
     if (options_.dataset.has_views()) cameras_ = view_cameras(options_, loaded_);
     std::optional<Denoiser> denoiser = open_denoiser(options_.images, options_.settings.threads, reporter);

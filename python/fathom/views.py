@@ -23,15 +23,23 @@ _NOT_HERE = {"orbit", "view", "camera", "look_from", "look_at", "up", "time", "s
 class ObjectMask(NamedTuple):
     """Masks of an object."""
 
-    visible: np.ndarray  #: bool (H, W): pixels whose first surface is the object's.
-    whole: np.ndarray  #: bool (H, W): pixels that it would cover if nothing were in front of it.
+    visible: np.ndarray
+    whole: np.ndarray
+
+
+ObjectMask.visible.__doc__ = "bool (H, W): pixels whose first surface is the object's."
+ObjectMask.whole.__doc__ = "bool (H, W): pixels that it would cover if nothing were in front of it."
 
 
 class SceneObject(NamedTuple):
     """An object of a scene: a node with shapes."""
 
     name: str
-    transform: np.ndarray  #: (4, 4), from the space of the object to world space.
+    transform: np.ndarray
+
+
+SceneObject.name.__doc__ = "Name of the node."
+SceneObject.transform.__doc__ = "(4, 4), from the space of the object to world space."
 
 
 class View:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Runs the Python code blocks of the README, docs/python.md and docs/datasets.md in order, as one program each."""
+"""Runs the Python code blocks of the README, docs/python.md, docs/datasets.md and docs/diff.md in order, as one program each."""
 import re
 
 import numpy as np
@@ -48,3 +48,12 @@ def test_blocks_on_data_sets(tmp_path, run_blocks, capsys):
     assert count == 1 and names["view"].index == 3
     assert {"0.png", "1.png", "2.png", "3.png"} <= {file.name for file in tmp_path.iterdir()}
     assert "pixels are visible" in capsys.readouterr().out
+
+
+@pytest.mark.filterwarnings("ignore::fathom.scene.SceneWarning")
+def test_blocks_on_differences(tmp_path, run_blocks):
+    for name, seed in (("new.png", 1), ("old.png", 2)):
+        fathom.render("model.glb", size=(32, 24), spp=2, seed=seed).save(tmp_path / name)
+    count, names = run_blocks(ROOT / "docs" / "diff.md")
+    assert count == 1 and not names["difference"].same
+    assert (tmp_path / "diff.png").stat().st_size > 100

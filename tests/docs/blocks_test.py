@@ -43,7 +43,9 @@ CONTAINERS = "needs a container engine; tests/farm/container_test.py tests the f
 SCHEDULERS = "needs a scheduler; tests/farm/schedulers_test.py tests the files, and runs the commands in them"
 RUNNERS = "tests/farm/runners_test.py runs it, if the runner is installed"
 NETWORK = "needs the network"
+ACTION = "a list of the action, which tests/scripts/action_test.py runs"
 LIBRARY = "test_the_library_guide"
+DIFFERENCES = "tests/apps/command_line/diff_test.py compares such images"
 CLUSTER = "needs Slurm; tests/apps/command_line/submit_test.py and scripts/test-cluster.sh run it"
 
 # Page: {beginning of a command: where it is run instead, or why it can't be run}.
@@ -57,6 +59,9 @@ NOT_RUN = {
     "docs/pipes.md": {"fathom render scene.json --watch": "test_watching"},
     "docs/cli.md": {"fathom COMMAND": "the form of all commands", "fathom submit scene.json --spp": CLUSTER,
                     "fathom submit --fix": CLUSTER, "fathom status": CLUSTER},
+    "docs/diff.md": {"fathom render scene.json --spp 64 -o new.png": DIFFERENCES,
+                     "fathom render scene.json --spp 64 -o new.exr --mergeable --reference": DIFFERENCES,
+                     "# reference": ACTION, "references/": ACTION},
     "docs/troubleshooting.md": {"pip install": NETWORK},
     "docs/denoising.md": {"pip install": NETWORK},
     "docs/clusters.md": {
@@ -124,7 +129,7 @@ sys.exit(not (shown.returncode == 1 and ("no display" in shown.stderr or "has no
 
 def commands(language, lines):
     """The commands of a block: those below "Examples:" in help texts. Continued lines are joined, remarks are removed."""
-    if lines and (language or "Exit codes:" in lines[-1]):
+    if language or any(line.startswith("Exit codes:") for line in lines):
         lines = [line[2:] for line in lines if line.startswith("  ")] if not language else []
     joined = re.sub(r"\\\n\s*", "", "\n".join(lines))
     return [re.split(r" {3,}", line)[0] for line in joined.splitlines()]
@@ -202,6 +207,8 @@ class Blocks(Folder):
             for language, lines in blocks(text):
                 if language == "text" and page == "docs/pipes.md":
                     (self.folder / "preview.conf").write_text("\n".join(lines) + "\n")
+            if page in ("docs/cli.md", "docs/diff.md"):
+                self.make_images_to_compare()
             for command in page_commands(page):
                 with self.subTest(page=page, command=command):
                     reason = next((start for start in NOT_RUN.get(page, {}) if command.startswith(start)), None)
@@ -220,6 +227,12 @@ class Blocks(Folder):
             with self.subTest(page=page):
                 self.assertEqual(set(NOT_RUN.get(page, {})), used, "entries of NOT_RUN without a command")
 
+    def make_images_to_compare(self):
+        self.run_command("fathom render scene.json -o old.png")
+        self.run_command("fathom render scene.json --mergeable --aov depth -o old.exr")
+        for suffix in "png", "exr":
+            shutil.copyfile(self.folder / f"old.{suffix}", self.folder / f"new.{suffix}")
+
     def check_synopsis(self, synopsis):
         help_text = waiting.run([PROGRAM, synopsis.split()[1], "--help"], check=True).stdout
         self.assertIn("Usage: " + synopsis.replace("[OPTION]... ", ""), help_text.replace("[OPTIONS] ", ""))
@@ -233,11 +246,12 @@ class Blocks(Folder):
     def test_other_languages(self):
         for page in PAGES:
             languages = {language for language, _ in blocks((ROOT / page).read_text(encoding="utf-8"))} - {""}
-            expected = {"README.md": {"python"}, "docs/python.md": {"python"}, "docs/datasets.md": {"python"},
+            expected = {"README.md": {"python"}, "docs/python.md": {"python"}, "docs/datasets.md": {"python"}, "docs/diff.md": {"python", "text", "yaml"},
                         "docs/pipes.md": {"text"},
                         "docs/troubleshooting.md": {"text"}, "docs/untrusted-files.md": {"text"}}
             self.assertEqual(expected.get(page, set()), languages, page)
-        for page in 'ROOT / "README.md"', 'ROOT / "docs" / "python.md"', 'ROOT / "docs" / "datasets.md"':
+        # workflows_test.py checks the YAML of docs/diff.md.
+        for page in 'ROOT / "README.md"', *(f'ROOT / "docs" / "{name}.md"' for name in ("python", "datasets", "diff")):
             self.assertIn(page, (ROOT / "python/tests/test_guide.py").read_text())
 
     def test_packages_are_installed_in_the_readme_as_in_the_guide(self):

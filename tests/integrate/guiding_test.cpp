@@ -255,7 +255,7 @@ TEST(Guiding, EndsPathsThatBringLittle)
 /// On dark surfaces roulette ends most paths.
 TEST(Guiding, EndsPathsOnDarkSurfaces)
 {
-    const SceneDescription scene = two_chambers(gray(0.3f), gray(0.3f));
+    const SceneDescription scene = two_chambers(gray(0.1f), gray(0.1f));
     const auto vertices = [&](const RenderSettings& s) { return double(costs_of(scene, s, 64).vertices); };
     expect_in_use(scene, guided(), "dark");
     EXPECT_LT(vertices(guided()), 0.55 * vertices(small_image_settings()));
