@@ -34,7 +34,7 @@ void add_path_options(Command& command, SettingsOptions& o)
     command.add_value({"--guiding", "auto|on|off",
                        "path guiding: learns where light comes from and samples it more, which reduces noise indoors. "
                        "auto: in `fathom render` on from 8 samples per pixel and 4 million in all, from --time 10s, "
-                       "and with --samples, --part, --mergeable or --checkpoint; in `fathom view` off",
+                       "and with --samples, --part, --mergeable or --checkpoint; in data sets and `fathom view` off",
                        "auto"},
                       [&](const std::string& text) {
                           const int choice = parse_choice(text, {"off", "on", "auto"});
