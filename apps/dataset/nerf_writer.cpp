@@ -50,7 +50,7 @@ public:
 private:
     static constexpr const char* splits[] = {"train", "val", "test"};
 
-    /// Of ten views, the last two are for validation and for tests; below ten, all are for training.
+    /// Of each ten views, the last two are for validation and for tests. With fewer than ten, all are for training.
     const char* split_of(std::size_t i) const
     {
         if (views_ < 10 || i % 10 < 8) return "train";

@@ -68,7 +68,7 @@ struct GuidingRecord {
     float light = 0;
     /// Contribution of the outgoing direction to the radiance of the path.
     float contribution = 0;
-    /// What roulette expects as the throughput after scattering: expected_throughput().
+    /// Throughput that roulette expects after scattering: expected_throughput().
     float throughput = 0;
     /// Density of the outgoing direction by the closure alone, with respect to solid angle.
     float bsdf_pdf = 0;

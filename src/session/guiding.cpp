@@ -144,15 +144,16 @@ std::vector<T> every_nth(const std::vector<T>& all, std::size_t step)
 }
 
 /// Sets the shares of tables by cross-validation: histograms of one half of the plain paths are tried on the other
-/// half. Then the histograms are those of all `parts` again.
+/// half. The histograms, which are those of all `parts`, stay as they are.
 void choose_shares(const PathStatistics& plain, const std::vector<const GuidingRecords*>& parts, GuidingTables& tables)
 {
     const std::size_t half = plain.parts.size() / 2;
     PathStatistics others = plain;
     others.parts.erase(others.parts.begin(), others.parts.begin() + std::ptrdiff_t(half));
+    LargeVector<float> of_all = tables.histograms;
     learn_histograms({parts.begin(), parts.begin() + std::ptrdiff_t(half)}, tables);
     set_shares(others, tables);
-    learn_histograms(parts, tables);
+    tables.histograms = std::move(of_all);
 }
 
 /// Plain paths that were learned from, and guided paths through every trial_step-th of their pixels.

@@ -58,7 +58,7 @@ TEST(Flip, OfGreenAndBlueIsOne)
 
 TEST(Flip, WeighsADifferenceMoreAtAnEdge)
 {
-    // The same mean change of color, once as a smooth change and once as a sharp line that only one image has.
+    // The largest change is equal: a smooth bump in one image, a sharp line in the other.
     constexpr int side = 64;
     const Colors gray = uniform({0.3f, 0.3f, 0.3f}, side * side);
     Colors line = gray, smooth = gray;

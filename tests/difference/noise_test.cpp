@@ -118,7 +118,7 @@ TEST(NoiseTest, FindsChangesWithoutNoise)
 
 TEST(NoiseTest, LeavesOutTheRoundingOfHalf)
 {
-    // The same flat color, once as float and once as half.
+    // Both images have one flat color, stored as float in one and as half in the other.
     Image exact = test::uniform_image(32, 32, {"R", "G", "B"}, {0.1f, 0.1f, 0.1f}, true);
     exact.layers.push_back({"variance", {"R", "G", "B"}, std::vector<float>(3 * 32 * 32)});
     exact.attributes["fathom.samples_per_pixel"] = "4";

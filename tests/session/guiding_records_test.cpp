@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// What training paths record at a floor under a white sky.
+/// Tests of the records that training paths make on a floor under a white sky.
 #include <gtest/gtest.h>
 
 #include <numbers>

@@ -40,7 +40,7 @@ def write_example_files(folder, root):
     (folder / "model.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")
     shapes = "".join(f'<shape type="obj"><string name="filename" value="{name}.obj"/></shape>' for name in "ab")
     (folder / "scene.xml").write_text(f'<scene version="3.0.0"><sensor type="perspective"/><emitter type="constant"/>{shapes}</scene>')
-    # Of the triangles of both files, half are degenerate.
+    # Half of the triangles of both files are degenerate.
     for name in "ab":
         (folder / f"{name}.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\nf 1 2 2\n")
     (folder / "scene.glb").write_bytes(animated_glb())
