@@ -31,6 +31,7 @@ def parse():
     parser.add_argument("--seconds", type=float, default=10, help="of each image, if all threads are free (processor time / 2)")
     parser.add_argument("--rounds", type=int, default=3, help="images of the full time by each renderer")
     parser.add_argument("--reference-factor", type=int, default=16, help="samples of references over those of images")
+    parser.add_argument("--scale", type=float, default=1, help="of the images' widths and heights")
     parser.add_argument("--threads", type=int, default=2)
     parser.add_argument("--rooms", type=Path, default=ROOT / "../shared/scenes", help="folder of the seven rooms")
     parser.add_argument("--environments", type=Path, default=environments.DEFAULT_FOLDER, help="folder of the virtual environments")

@@ -25,17 +25,17 @@ def block_means(image, blocks=BLOCKS):
 
 
 def compare_references(image, halves, other, other_halves):
-    """How two references differ: ratio of means, the largest block difference relative to the mean of the image, and how
-    many standard errors both are, with errors from two halves of each reference."""
-    mean = other.mean()
-    error = lambda pair: abs(pair[0].mean() - pair[1].mean()) / 2
-    noise = max(np.hypot(error(halves), error(other_halves)), 1e-6 * mean)
-    block_error = np.hypot(*(np.sqrt(np.mean((block_means(a) - block_means(b)) ** 2)) / 2 for a, b in (halves, other_halves)))
-    blocks = block_means(image) - block_means(other)
-    largest = np.unravel_index(np.abs(blocks).argmax(), blocks.shape)
-    return {"mean_ratio": float(image.mean() / mean), "mean_error": float(noise / mean),
-            "block": [int(i) for i in largest], "block_difference": float(blocks[largest] / mean),
-            "block_error": float(block_error / mean)}
+    """How two references differ: the ratio of means, and the largest difference of blocks, relative to the block or to the mean of
+    the image, whichever is larger. Standard errors of both are estimated from two halves of each reference."""
+    mean, own, others = other.mean(), block_means(image), block_means(other)
+    scale = np.maximum((own + others) / 2, mean)
+    relative = (own - others) / scale
+    largest = np.unravel_index(np.abs(relative).argmax(), relative.shape)
+    # Differences of halves in all blocks, because those of the whole images have a single degree of freedom.
+    rms = lambda divisor: np.hypot(*(np.sqrt(np.mean(((block_means(a) - block_means(b)) / divisor) ** 2)) / 2
+                                     for a, b in (halves, other_halves)))
+    return {"mean_ratio": float(image.mean() / mean), "mean_error": float(rms(mean) / np.sqrt(own.size)),
+            "block": [int(i) for i in largest], "block_difference": float(relative[largest]), "block_error": float(rms(scale))}
 
 
 def verdict(comparison, tolerance=0.01):

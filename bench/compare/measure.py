@@ -21,9 +21,14 @@ def source_of(name, options):
     if name in scenes.GENERATED:
         folder = options.out / "scenes" / name
         made = scenes.make(name)
+        made["size"] = scaled(made["size"], options)
         neutral.save(made, folder)
         return folder, made["size"], made.get("region")
-    return scenes.rooms.file(name, options.rooms), scenes.rooms.SIZE, None
+    return scenes.rooms.file(name, options.rooms), scaled(scenes.rooms.SIZE, options), None
+
+
+def scaled(size, options):
+    return [max(16, round(side * options.scale)) for side in size]
 
 
 def is_candidate(renderer, scene):
@@ -56,7 +61,8 @@ def samples_for(render, cpu_s):
 
 
 def region_of(image, region):
-    """The part of an image that is compared: fractions of the width and height from the top left corner."""
+    """The part of an image that is compared. region: fractions of the width and height from the top left corner."""
+    image = image[:-1]  # LuxCore's last row is wrong.
     if not region:
         return image
     height, width = image.shape[:2]

@@ -13,6 +13,8 @@ objects emit on the side of their normal only, and solids of `dielectric` and `m
 | medium | sigma_a, sigma_s, g inside an invisible boundary |
 | hair | sigma_a (for a fiber of radius 1), beta_m, beta_n, tilt_deg, as in pbrt-v4 |
 
+`region`, if any, is the part of the image that is compared: fractions of width and height from the top left corner.
+
 An object is a `quad` (corner, u, v; the normal is along u x v), the name of a `mesh`, or the name of `curves` (cubic B-splines
 with a radius at each control point), with a `material` or an `emission`.
 """

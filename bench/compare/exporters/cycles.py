@@ -72,7 +72,7 @@ def surface(tree, source):
         node.inputs["Roughness"].default_value, node.inputs["Radial Roughness"].default_value = source["beta_m"], source["beta_n"]
         node.inputs["Coat"].default_value, node.inputs["IOR"].default_value = 0, 1.55
         node.inputs["Offset"].default_value = math.radians(source["tilt_deg"])
-        node.inputs["Random Roughness"].default_value = node.inputs["Random Color"].default_value = 0
+        node.inputs["Random Roughness"].default_value = 0
     return node
 
 

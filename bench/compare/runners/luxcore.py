@@ -12,8 +12,8 @@ from runners import serve
 MODES = {"path": {"renderengine.type": "PATHCPU"}, "bidir": {"renderengine.type": "BIDIRCPU"},
          "hybrid": {"renderengine.type": "PATHCPU", "path.hybridbackforward.enable": 1, "path.hybridbackforward.partition": 0.8,
                     "path.hybridbackforward.glossinessthreshold": 0.05},
-         "cache": {"renderengine.type": "PATHCPU", "path.photongi.caustic.enabled": 1, "path.photongi.caustic.maxsize": 1000000,
-                   "path.photongi.photon.maxcount": 20000000, "path.photongi.caustic.lookup.radius": 0.02}}
+         "cache": {"renderengine.type": "PATHCPU", "path.photongi.caustic.enabled": 1, "path.photongi.caustic.maxsize": 100000,
+                   "path.photongi.photon.maxcount": 5000000, "path.photongi.caustic.lookup.radius": 0.02}}
 
 
 def settings(mode, depth, threads, size, spp, seed):
