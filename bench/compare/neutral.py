@@ -56,10 +56,6 @@ def box(low, high, **keys):
     return quads
 
 
-def emission_of(item):
-    return item.get("emission")
-
-
 def save(scene, folder):
     """Writes scene.json, and each mesh as PLY and as arrays."""
     folder.mkdir(parents=True, exist_ok=True)

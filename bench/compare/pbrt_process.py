@@ -7,9 +7,6 @@ from programs import timed_run
 
 class Pbrt:
     def __init__(self, program, integrator, scene, folder, threads, out_folder):
-        reason = exporter.unsupported(scene)
-        if reason:
-            raise ValueError(reason)
         self.program, self.integrator, self.scene, self.folder, self.threads = program, integrator, scene, folder, threads
         self.out = out_folder / f"{integrator}.exr"
         self.start = self.run(1, 0)

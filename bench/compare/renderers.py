@@ -7,8 +7,10 @@ from pathlib import Path
 import numpy as np
 
 import environments
+import neutral
 import pbrt_process
 from exporters import fathom as fathom_exporter
+from exporters import pbrt as pbrt_exporter
 from exrs import read_exr
 from programs import timed_run
 
@@ -37,7 +39,7 @@ class Fathom:
 
     def __init__(self, program, source, size, threads, folder):
         self.out, self.lead = folder / "fathom.exr", []
-        scene = source if source.suffix == ".xml" else fathom_exporter.write(load_neutral(source), source)
+        scene = source if source.suffix == ".xml" else fathom_exporter.write(neutral.load(source), source)
         self.command = [str(program), "render", str(scene), "--size", f"{size[0]}x{size[1]}", "--threads", str(threads), "--filter", "box",
                         "--build", "high", "--progress", "json", "-o", str(self.out)]
         one_pixel = ["--crop", "0,0,1,1", "--guiding", "off", "--caustics", "off"]
@@ -91,11 +93,6 @@ def last_event(text):
     return json.loads([line for line in text.splitlines() if line.startswith("{")][-1])
 
 
-def load_neutral(folder):
-    import neutral
-    return neutral.load(folder)
-
-
 def open_renderer(name, source, size, options, folder):
     """source: the folder of a generated scene, or the XML file of a room."""
     if source.suffix == ".xml" and name not in READS_ROOMS:
@@ -105,6 +102,10 @@ def open_renderer(name, source, size, options, folder):
     if name in PBRT:
         if not options.pbrt:
             raise environments.Missing(f"{name}: no program; --pbrt BINARY names one")
-        return pbrt_process.Pbrt(options.pbrt, PBRT[name], load_neutral(source), source, options.threads, folder)
+        scene = neutral.load(source)
+        reason = pbrt_exporter.unsupported(scene)
+        if reason:
+            raise Unsupported(f"{name}: {reason}")
+        return pbrt_process.Pbrt(options.pbrt, PBRT[name], scene, source, options.threads, folder)
     environment, script, mode = PEERS[name]
     return Process(name, environments.python_of(environment, options.environments), script, mode, source, size, options.threads, folder)

@@ -9,7 +9,8 @@ def rgb(values):
 
 def medium(source):
     extinction = np.add(source["sigma_a"], source["sigma_s"])
-    return {"type": "homogeneous", "albedo": rgb(np.array(source["sigma_s"]) / extinction), "sigma_t": rgb(extinction),
+    scale = float(extinction.max())  # Colors above 1 are refused.
+    return {"type": "homogeneous", "albedo": rgb(np.array(source["sigma_s"]) / extinction), "sigma_t": rgb(extinction / scale), "scale": scale,
             "phase": {"type": "hg", "g": source["g"]}}
 
 

@@ -58,6 +58,13 @@ def main(source, integrator, threads, width, height):
     scene = load(mi, Path(source), integrator, int(width), int(height))
     drjit.set_thread_count(int(threads))
     step = max(1, LARGEST_PASS // (int(width) * int(height)))
+    compiled = set()
+
+    def compile_passes(spp):
+        """The kernels of `ptracer` depend on the number of samples: a first pass of each number is not timed."""
+        for count in {min(step, spp), spp % step} - {0} - compiled if integrator == "ptracer" else ():
+            np.array(mi.render(scene, spp=count, seed=998))
+            compiled.add(count)
 
     def render(spp, seed):
         total, done = 0, 0
@@ -68,7 +75,12 @@ def main(source, integrator, threads, width, height):
         return total / spp
 
     render(1, 999)
-    serve.serve(stream, lambda spp, seed: serve.timed(lambda: render(spp, seed)))
+
+    def timed(spp, seed):
+        compile_passes(spp)
+        return serve.timed(lambda: render(spp, seed))
+
+    serve.serve(stream, timed)
 
 
 main(*sys.argv[1:])
