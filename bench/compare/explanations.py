@@ -6,8 +6,10 @@ import fnmatch
 EXPLANATIONS = [
     {"renderer": "luxcore*", "scene": "metals", "counts": True,
      "text": "LuxCore's rough metals have Schlick's distribution of normals and more reflectance at grazing angles, not GGX"},
-    {"renderer": "luxcore*", "scene": "cornell-glossy", "counts": True, "text": "LuxCore's rough metals have Schlick's distribution of normals, not GGX"},
-    {"renderer": "luxcore*", "scene": "environment", "counts": True, "text": "LuxCore's rough metals have Schlick's distribution of normals, not GGX"},
+    {"renderer": "luxcore*", "scene": "cornell-glossy", "counts": True,
+     "text": "LuxCore's rough metals have Schlick's distribution of normals, not GGX"},
+    {"renderer": "luxcore*", "scene": "environment", "counts": True,
+     "text": "LuxCore's rough metals have Schlick's distribution of normals, not GGX"},
     {"renderer": "cycles", "scene": "caustic-*-area", "counts": False,
      "text": "path tracing alone: a few bright samples decide the caustic, so that the reference is not converged"},
     {"renderer": "cycles", "scene": "caustic-*", "counts": False, "text": "path tracing finds no caustic of a lamp without surface: it is missing"},

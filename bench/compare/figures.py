@@ -6,6 +6,10 @@ import statistics
 from explanations import explanation
 
 
+def is_peer(name):
+    return not name.startswith("fathom")
+
+
 def efficiency(runs, key="relmse"):
     """1 / (relMSE x processor seconds): median of the runs with the full budget."""
     values = [1 / (run[key] * run["cpu_s"]) for run in runs if run["full"] and run[key] > 0]
@@ -25,7 +29,7 @@ def best_peer(result, key="relmse"):
     """The most efficient peer that counts, and Fathom's efficiency over its; None where there is none."""
     own = efficiency(result["runs"].get("fathom", []), key)
     peers = {name: efficiency(runs, key) for name, runs in result["runs"].items()
-             if name != "fathom" and counts(name, result["scene"], result["references"])}
+             if is_peer(name) and counts(name, result["scene"], result["references"])}
     peers = {name: value for name, value in peers.items() if value}
     if not own or not peers:
         return None

@@ -2,7 +2,6 @@
 """Measures one scene: long references first, then images of several budgets, in turns."""
 import math
 import sys
-from pathlib import Path
 
 import numpy as np
 

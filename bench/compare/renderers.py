@@ -21,8 +21,10 @@ PEERS = {"mitsuba": ("mitsuba", "mitsuba.py", "path"), "mitsuba-ptracer": ("mits
          "luxcore-bidir": ("luxcore", "luxcore.py", "bidir"), "luxcore-hybrid": ("luxcore", "luxcore.py", "hybrid"),
          "luxcore-cache": ("luxcore", "luxcore.py", "cache")}
 PBRT = {"pbrt": "volpath", "pbrt-bdpt": "bdpt", "pbrt-sppm": "sppm"}
-NAMES = ["fathom", *PEERS, *PBRT]
-CAUSTIC_ONLY = {"mitsuba-ptracer", "luxcore-bidir", "luxcore-hybrid", "luxcore-cache", "pbrt-bdpt", "pbrt-sppm"}
+# Fathom with its defaults, and with light paths in any case: what its own choice of light paths costs.
+FATHOM = {"fathom": [], "fathom-caustics-on": ["--caustics", "on"]}
+NAMES = [*FATHOM, *PEERS, *PBRT]
+CAUSTIC_ONLY = {"fathom-caustics-on", "mitsuba-ptracer", "luxcore-bidir", "luxcore-hybrid", "luxcore-cache", "pbrt-bdpt", "pbrt-sppm"}
 READS_ROOMS = {"fathom", "mitsuba"}
 
 
@@ -37,8 +39,8 @@ class Failed(Exception):
 class Fathom:
     """Whole runs of the program; loading is subtracted, as the processor time of a run of one pixel without learning."""
 
-    def __init__(self, program, source, size, threads, folder):
-        self.out, self.lead = folder / "fathom.exr", []
+    def __init__(self, program, settings, source, size, threads, folder):
+        self.out, self.settings = folder / "fathom.exr", settings
         scene = source if source.suffix == ".xml" else fathom_exporter.write(neutral.load(source), source)
         self.command = [str(program), "render", str(scene), "--size", f"{size[0]}x{size[1]}", "--threads", str(threads), "--filter", "box",
                         "--build", "high", "--progress", "json", "-o", str(self.out)]
@@ -53,7 +55,7 @@ class Fathom:
         return last_event(text)["render_s"], cpu
 
     def render(self, spp, seed):
-        wall, cpu = self.run(spp, seed)
+        wall, cpu = self.run(spp, seed, *self.settings)
         return read_exr(self.out), wall, max(cpu - self.loading_s, 1e-3)
 
     def close(self):
@@ -85,7 +87,10 @@ class Process:
         return np.load(self.out).astype(np.float64), answer["wall_s"], answer["cpu_s"]
 
     def close(self):
-        self.process.stdin.close()
+        try:
+            self.process.stdin.close()
+        except OSError:  # It has ended already.
+            pass
         self.process.wait()
 
 
@@ -97,8 +102,8 @@ def open_renderer(name, source, size, options, folder):
     """source: the folder of a generated scene, or the XML file of a room."""
     if source.suffix == ".xml" and name not in READS_ROOMS:
         raise Unsupported(f"{name} doesn't read Mitsuba's files")
-    if name == "fathom":
-        return Fathom(options.fathom, source, size, options.threads, folder)
+    if name in FATHOM:
+        return Fathom(options.fathom, FATHOM[name], source, size, options.threads, folder)
     if name in PBRT:
         if not options.pbrt:
             raise environments.Missing(f"{name}: no program; --pbrt BINARY names one")

@@ -27,7 +27,6 @@ import figures  # noqa: E402
 import mitsuba_xml  # noqa: E402
 import neutral  # noqa: E402
 import scenes  # noqa: E402
-import shapes  # noqa: E402
 import tables  # noqa: E402
 import waiting  # noqa: E402
 from exporters import cycles, fathom, luxcore, mitsuba, pbrt  # noqa: E402
@@ -82,7 +81,8 @@ def result(references, seconds):
     runs = {name: [{"spp": 4, "full": False, "relmse": 9.0, "trimmed": 9.0, "cpu_s": 1.0},
                    {"spp": 16, "full": True, "relmse": 0.5, "trimmed": 0.25, "cpu_s": cpu}] for name, cpu in seconds.items()}
     return {"scene": "cornell", "runs": runs, "notes": {}, "references": {name: {
-        "verdict": verdict, "mean_ratio": 1.5, "mean_error": 0.0, "block_difference": 0.5, "block_error": 0.0} for name, verdict in references.items()}}
+        "verdict": verdict, "mean_ratio": 1.5, "mean_error": 0.0, "block_difference": 0.5, "block_error": 0.0}
+        for name, verdict in references.items()}}
 
 
 class Figures(unittest.TestCase):

@@ -3,8 +3,6 @@
 import json
 import math
 
-import neutral
-
 
 def medium(material):
     """Scattering and absorption as keys of `glass`: the fraction that remains after a distance of about one mean free path."""

@@ -39,8 +39,8 @@ def material(name, source):
         rough = max(1e-4, source["alpha"])
         rows |= {f"{key}.type": "metal2", f"{key}.fresnel": f"{name}-fresnel", f"{key}.uroughness": rough, f"{key}.vroughness": rough}
     elif kind == "dielectric":
-        rows |= {f"{key}.type": "glass", f"{key}.kr": [1.0] * 3, f"{key}.kt": [1.0] * 3, f"{key}.interiorior": source["ior"],
-                 f"{key}.exteriorior": 1.0}
+        rows |= {f"{key}.type": "glass", f"{key}.kr": [1.0] * 3, f"{key}.kt": [1.0] * 3,
+                 f"{key}.interiorior": source["ior"], f"{key}.exteriorior": 1.0}
     else:
         rows |= {f"{key}.type": "null"}
     if "sigma_s" in source:

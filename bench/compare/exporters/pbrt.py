@@ -72,7 +72,8 @@ def light(source):
     if source["kind"] == "point":
         return begin + "\n"
     to = np.add(source["position"], source["direction"])
-    return begin + f' "point3 to" {numbers(to)} "float coneangle" {source["half_angle_deg"]} "float conedeltaangle" {0.001 * source["half_angle_deg"]:.6g}\n'
+    angle = source["half_angle_deg"]
+    return begin + f' "point3 to" {numbers(to)} "float coneangle" {angle} "float conedeltaangle" {0.001 * angle:.6g}\n'
 
 
 def sky(source):
