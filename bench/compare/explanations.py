@@ -5,7 +5,7 @@ import fnmatch
 
 EXPLANATIONS = [
     {"renderer": "luxcore*", "scene": "metals", "counts": True,
-     "text": "LuxCore's rough metals have Schlick's distribution of normals and more reflectance at grazing angles, not GGX"},
+     "text": "LuxCore's rough metals have Schlick's distribution of normals, not GGX"},
     {"renderer": "luxcore*", "scene": "cornell-glossy", "counts": True,
      "text": "LuxCore's rough metals have Schlick's distribution of normals, not GGX"},
     {"renderer": "luxcore*", "scene": "environment", "counts": True,
