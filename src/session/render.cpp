@@ -490,7 +490,8 @@ try {
     return false;
 }
 
-std::optional<LightTracingTrial> try_light_tracing(const RenderJob& job, const std::atomic<bool>* cancel)
+std::optional<LightTracingTrial> try_light_tracing(const RenderJob& job, const std::atomic<bool>* cancel,
+                                                   TrialEffort effort)
 try {
     const RenderSettings& settings = job.settings();
     const Scene::Data& scene = job.scene().data();
@@ -502,7 +503,7 @@ try {
     LightTracingTrial trial;
     arena.execute([&] {
         trial = run_light_trial(*scene.kernel, *scene.tables, job.data().camera_record,
-                                kernel_settings(settings, FilmLayout({}, false)), rendered, cancel);
+                                kernel_settings(settings, FilmLayout({}, false)), rendered, effort, cancel);
     });
     return trial;
 } catch (const Cancelled&) {

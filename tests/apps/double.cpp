@@ -313,7 +313,7 @@ bool render(const RenderJob& job, SampleRange range, Film& film, const std::atom
     if (data.dropped > 0) data.invalid_sample = Film::SampleLocation{7, 8, 9};
     return true;
 }
-std::optional<LightTracingTrial> try_light_tracing(const RenderJob&, const std::atomic<bool>*)
+std::optional<LightTracingTrial> try_light_tracing(const RenderJob&, const std::atomic<bool>*, TrialEffort)
 {
     return LightTracingTrial{};
 }
