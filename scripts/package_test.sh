@@ -1,9 +1,11 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
-# Runs the commands of docs/install.md for the tarball and the Debian packages in minimal systems, and checks the packages.
-#   scripts/package_test.sh [FOLDER]     FOLDER: packages that scripts/package.sh made; default: makes them
-# FATHOM_ROOT names a folder with a minimal Debian 12 to copy instead of making one by debootstrap.
-# Needs root, debootstrap and a source of Debian packages (the first one of this machine's apt); takes some minutes.
+# Runs the commands of docs/install.md for the tarball, the Debian packages, the container and the wheel in minimal
+# systems, and checks the packages. (scripts/bare_machine_test.sh does so for the sources.)
+#   scripts/package_test.sh [FOLDER]     FOLDER: packages of scripts/package.sh and wheels; default: makes them
+# FATHOM_ROOT names a folder with a minimal Debian 12 to copy instead of making one by debootstrap, FATHOM_OLD_ROOT one
+# with Debian 11. Needs root, debootstrap and a source of Debian packages (the first one of this machine's apt); takes
+# some minutes. There is no container engine: scripts/containerfile.sh executes the steps of the Containerfile.
 set -euo pipefail
 here=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 cd "$here"
@@ -13,13 +15,17 @@ install_missing debootstrap lintian
 work=$(mktemp -d)
 chmod 755 "$work"
 cleanup() {
-    umount "$work/tarball/proc" "$work/deb/proc" 2>/dev/null || true
+    local root
+    for root in "$work"/*/proc; do umount "$root" 2>/dev/null || true; done
     # Never deletes through a mount that still exists.
     if ! grep -q " $work/" /proc/mounts; then rm -rf --one-file-system "$work"; fi
 }
 trap cleanup EXIT
 packages=${1:-$work/packages}
-[ $# -gt 0 ] || scripts/package.sh all "$packages"
+if [ $# -eq 0 ]; then
+    scripts/package.sh all "$packages"
+    scripts/wheel.sh --output "$packages" /usr/bin/python3
+fi
 packages=$(realpath "$packages")
 failures=0
 
@@ -41,16 +47,20 @@ commands_of() {
     awk -v heading="## $1" '/^## / { inside = $0 == heading } inside && /^    / { print substr($0, 5) }' docs/install.md
 }
 
-# A copy of a minimal Debian 12, which is made once; with a folder /try in it.
+# new_root NAME [SUITE]: a copy of a minimal system, which is made once; with a folder /try in it.
 new_root() {
-    local root=$work/$1 minimal=${FATHOM_ROOT:-$work/bookworm} mirror
+    local root=$work/$1 suite=${2:-bookworm} minimal mirror
+    minimal=${FATHOM_ROOT:-$work/bookworm}
+    if [ "$suite" != bookworm ]; then minimal=${FATHOM_OLD_ROOT:-$work/$suite}; fi
     if [ ! -d "$minimal" ]; then
         # shellcheck disable=SC2016  # $(REPO_URI) is for apt-get
-        mirror=$(apt-get indextargets --format '$(REPO_URI)' | head -n 1)
-        debootstrap --variant=minbase bookworm "$minimal" "$mirror" >"$work/debootstrap.log" || fail "debootstrap (see $work/debootstrap.log)"
+        mirror=$(apt-get indextargets --format '$(REPO_URI)' 'Created-By: Packages' | grep -E '/debian/?$' | head -n 1)
+        debootstrap --variant=minbase "$suite" "$minimal" "$mirror" >"$work/debootstrap.log" || fail "debootstrap (see $work/debootstrap.log)"
     fi
     cp -a "$minimal" "$root"
     cp /etc/resolv.conf "$root/etc/resolv.conf"
+    # pip trusts the certificates that this machine trusts.
+    cp --dereference /etc/ssl/certs/ca-certificates.crt "$root/etc"
     mount -t proc proc "$root/proc"
     mkdir "$root/try"
     cp "$work/model.glb" "$root/try"
@@ -59,12 +69,14 @@ new_root() {
 # inside ROOT: runs the commands of standard input in a root's folder /try; stops at the first that fails.
 inside() {
     chroot "$work/$1" /usr/bin/env -i PATH=/usr/local/sbin:/usr/local/bin:/usr/sbin:/usr/bin:/sbin:/bin HOME=/root LC_ALL=C \
-        DEBIAN_FRONTEND=noninteractive bash -ec 'cd /try; source /dev/stdin'
+        DEBIAN_FRONTEND=noninteractive PIP_CERT=/etc/ca-certificates.crt bash -ec 'cd /try; source /dev/stdin'
 }
 
 is_png() { [ "$(head -c 4 "$1" | tail -c 3)" = PNG ] && [ "$(stat -c %s "$1")" -gt 5000 ]; }
 
 is_small() { [ "$(stat -c %s "$1")" -le "$2" ]; }
+
+is_version_at_most() { [ "$(printf '%s\n' "$@" | sort -V | head -n 1)" = "$1" ]; }
 
 # The newest version of glibc that any file of an unpacked tarball needs.
 needed_glibc() {
@@ -80,13 +92,19 @@ test_tarball() {
     cp "$tarball" "$work/tarball/try"
     check "the tarball's commands of docs/install.md work" inside tarball < <(commands_of Tarball)
     check "the tarball's program wrote an image" is_png "$work/tarball/try/model.png"
+    cp "$work/tarball/try/model.png" "$work/model-12.png"
     check "the unpacked folder can be moved" inside tarball <<<'mv fathom-0.1.0 "/opt/other name"; rm model.png
         "/opt/other name/bin/fathom" render model.glb --size 99x77 --spp 4; test -s model.png'
     check "no library is missing" inside tarball <<<'! ldd "/opt/other name/bin/fathom" "/opt/other name"/lib/libfathom.so.0 | grep "not found"'
     check "the fastest kernel is used" inside tarball <<<'"/opt/other name/bin/fathom" version | grep "^kernel: .*the best that this machine supports"'
     check "a missing library of the window is one error" inside tarball <<<'"/opt/other name/bin/fathom" view model.glb 2>&1 | grep "can.t be loaded: lib.*No such file"'
     tar xzf "$tarball" -C "$work"
-    check "glibc 2.35 is enough (needed: $(needed_glibc "$work/fathom-0.1.0"))" test "$(needed_glibc "$work/fathom-0.1.0")" = GLIBC_2.35
+    check "glibc 2.31 is enough (needed: $(needed_glibc "$work/fathom-0.1.0"))" is_version_at_most "$(needed_glibc "$work/fathom-0.1.0")" GLIBC_2.31
+    new_root old bullseye
+    cp "$tarball" "$work/old/try"
+    check "the tarball's commands of docs/install.md work in Debian 11" inside old < <(commands_of Tarball)
+    check "the tarball's program wrote an image in Debian 11" is_png "$work/old/try/model.png"
+    check "the images of Debian 11 and 12 are equal" cmp "$work/old/try/model.png" "$work/model-12.png"
 }
 
 # Runs the thumbnailer's command as a file manager does, and checks image and time.
@@ -129,6 +147,38 @@ test_debs() {
     check "the package can be removed" inside deb <<<'apt-get remove --yes fathom-render; ! command -v fathom; ! test -e /usr/lib/fathom-render/lib'
 }
 
+# Executes the Containerfile's steps, then the command that docs/install.md has after the image's name.
+test_container() {
+    new_root container
+    mkdir -m 777 "$work/container/work"
+    cp "$work/model.glb" "$work/container/work"
+    check "the container's command of docs/install.md works" container_command
+    check "the container's program wrote an image as an unprivileged user" test "$(stat -c %u "$work/container/work/model.png")" = 10001
+}
+container_command() {
+    local words
+    read -ra words < <(commands_of Container | sed -n 's/^podman run .* fathom //p')
+    [ "${words[0]}" = render ] && scripts/containerfile.sh farm/container/Containerfile "$packages" "$work/container" "${words[@]}"
+}
+
+# Installs the wheel in a virtual environment of a system without a compiler, as docs/install.md does, and renders.
+test_wheel() {
+    local wheel
+    wheel=$(find "$packages" -name 'fathom_render-*-cp311-*.whl')
+    echo "        $(basename "$wheel"): $(stat -c %s "$wheel") bytes"
+    new_root wheel
+    mkdir -p "$work/wheel/try/build/wheels"
+    cp "$wheel" "$work/wheel/try/build/wheels"
+    check "the wheel's system has Python" inside wheel <<<'apt-get update; apt-get install --yes --no-install-recommends python3-venv; python3 -m venv /venv'
+    check "the wheel's command of docs/install.md works" inside wheel < <(echo 'source /venv/bin/activate'; commands_of Wheel | grep '^pip install build')
+    check "the wheel's program renders" inside wheel <<<'/venv/bin/fathom render model.glb'
+    check "the wheel's program wrote an image" is_png "$work/wheel/try/model.png"
+    check "the wheel's program writes the tarball's bits" cmp "$work/wheel/try/model.png" "$work/model-12.png"
+    check "Python renders with the wheel" inside wheel <<<'/venv/bin/python -c "import fathom; fathom.render(\"model.glb\").save(\"python.png\")"'
+    check "Python writes the tarball's bits" cmp "$work/wheel/try/python.png" "$work/model-12.png"
+    check "there is no compiler" inside wheel <<<'! command -v cc c++ gcc g++ clang'
+}
+
 tar xzf "$packages"/fathom-*-linux-x86_64.tar.gz -C "$work"
 program=$work/fathom-0.1.0/bin/fathom
 printf 'v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n' >"$work/model.obj"
@@ -150,5 +200,7 @@ PYTHON
 rm -r "$work/fathom-0.1.0"
 test_tarball
 test_debs
+test_container
+test_wheel
 [ "$failures" -eq 0 ] || fail "package_test: $failures failed"
 echo "packages: passed"

@@ -1,0 +1,17 @@
+# SPDX-License-Identifier: Apache-2.0
+# Toolchain of the preset `portable`: compiles for the system in the folder FATHOM_PORTABLE_ROOT, which scripts/portable_root.sh
+# makes, so that the program runs there and on later systems. Headers and libraries are the root's; the compiler and
+# Python are this machine's.
+set(CMAKE_SYSROOT $ENV{FATHOM_PORTABLE_ROOT})
+if(NOT CMAKE_SYSROOT)
+  message(FATAL_ERROR "FATHOM_PORTABLE_ROOT is not set: scripts/package.sh and scripts/wheel.sh set it")
+endif()
+set(CMAKE_C_COMPILER clang-19)
+set(CMAKE_CXX_COMPILER clang++-19)
+set(CMAKE_LIBRARY_ARCHITECTURE x86_64-linux-gnu)
+set(CMAKE_FIND_ROOT_PATH_MODE_PROGRAM NEVER)
+set(CMAKE_FIND_ROOT_PATH_MODE_LIBRARY ONLY)
+set(CMAKE_FIND_ROOT_PATH_MODE_INCLUDE ONLY)
+set(CMAKE_FIND_ROOT_PATH_MODE_PACKAGE ONLY)
+set(ENV{PKG_CONFIG_SYSROOT_DIR} ${CMAKE_SYSROOT})
+set(ENV{PKG_CONFIG_LIBDIR} ${CMAKE_SYSROOT}/usr/lib/x86_64-linux-gnu/pkgconfig:${CMAKE_SYSROOT}/usr/share/pkgconfig)
