@@ -111,7 +111,7 @@ add_library fathom-imath imath
 add_library fathom-openexr openexr -DOPENEXR_BUILD_TOOLS=OFF -DOPENEXR_INSTALL_EXAMPLES=OFF -DOPENEXR_INSTALL_TOOLS=OFF
 add_library fathom-fmt fmtlib -DFMT_TEST=OFF -DFMT_DOC=OFF
 add_library fathom-pugixml pugixml
-add_library fathom-meshoptimizer meshoptimizer -DMESHOPT_BUILD_SHARED_LIBS=ON
+add_library fathom-meshoptimizer meshoptimizer -DMESHOPT_BUILD_SHARED_LIBS=ON -DMESHOPT_SOVERSION=2d
 add_library fathom-draco draco
 add_library fathom-assimp assimp -DASSIMP_BUILD_ASSIMP_TOOLS=OFF -DASSIMP_BUILD_TESTS=OFF -DASSIMP_NO_EXPORT=ON -DASSIMP_WARNINGS_AS_ERRORS=OFF -DASSIMP_BUILD_DRACO=OFF -DASSIMP_BUILD_ZLIB=OFF
 make_links_relative
