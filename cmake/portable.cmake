@@ -11,6 +11,10 @@ set(CMAKE_CXX_COMPILER clang++-19)
 set(CMAKE_LIBRARY_ARCHITECTURE x86_64-linux-gnu)
 # Libraries of the root may need functions of its glibc that the stubs lack.
 set(CMAKE_EXE_LINKER_FLAGS_INIT -Wl,--allow-shlib-undefined)
+# Threads and dlopen are in libraries of their own before glibc 2.34. Linking them everywhere avoids -pthread, which libraries
+# would add for some files only, as precompiled headers don't allow.
+set(CMAKE_HAVE_LIBC_PTHREAD TRUE)
+set(CMAKE_CXX_STANDARD_LIBRARIES_INIT "-lpthread -ldl")
 set(CMAKE_FIND_ROOT_PATH_MODE_PROGRAM NEVER)
 set(CMAKE_FIND_ROOT_PATH_MODE_LIBRARY ONLY)
 set(CMAKE_FIND_ROOT_PATH_MODE_INCLUDE ONLY)

@@ -78,9 +78,9 @@ is_small() { [ "$(stat -c %s "$1")" -le "$2" ]; }
 
 is_version_at_most() { [ "$(printf '%s\n' "$@" | sort -V | head -n 1)" = "$1" ]; }
 
-# The newest version of glibc that any file of an unpacked tarball needs.
-needed_glibc() {
-    find "$1" -type f \( -name fathom -o -name '*.so*' \) -exec objdump -T {} + 2>/dev/null | grep -oE 'GLIBC_[0-9.]+' | sort -Vu | tail -n 1
+# needed_version FOLDER NAMESPACE: the newest version of a library (GLIBC, GLIBCXX) that any file of an unpacked tarball needs.
+needed_version() {
+    find "$1" -type f \( -name fathom -o -name '*.so*' \) -exec objdump -T {} + 2>/dev/null | grep -oE "\<$2_[0-9.]+" | sed 's/.*_//' | sort -Vu | tail -n 1
 }
 
 test_tarball() {
@@ -95,11 +95,13 @@ test_tarball() {
     cp "$work/tarball/try/model.png" "$work/model-12.png"
     check "the unpacked folder can be moved" inside tarball <<<'mv fathom-0.1.0 "/opt/other name"; rm model.png
         "/opt/other name/bin/fathom" render model.glb --size 99x77 --spp 4; test -s model.png'
+    cp "$work/tarball/try/model.png" "$work/small-12.png"
     check "no library is missing" inside tarball <<<'! ldd "/opt/other name/bin/fathom" "/opt/other name"/lib/libfathom.so.0 | grep "not found"'
     check "the fastest kernel is used" inside tarball <<<'"/opt/other name/bin/fathom" version | grep "^kernel: .*the best that this machine supports"'
     check "a missing library of the window is one error" inside tarball <<<'"/opt/other name/bin/fathom" view model.glb 2>&1 | grep "can.t be loaded: lib.*No such file"'
     tar xzf "$tarball" -C "$work"
-    check "glibc 2.31 is enough (needed: $(needed_glibc "$work/fathom-0.1.0"))" is_version_at_most "$(needed_glibc "$work/fathom-0.1.0")" GLIBC_2.31
+    check "glibc 2.28 is enough (needed: $(needed_version "$work/fathom-0.1.0" GLIBC))" is_version_at_most "$(needed_version "$work/fathom-0.1.0" GLIBC)" 2.28
+    check "the libstdc++ of GCC 8 is enough (needed: $(needed_version "$work/fathom-0.1.0" GLIBCXX))" is_version_at_most "$(needed_version "$work/fathom-0.1.0" GLIBCXX)" 3.4.25
     new_root old bullseye
     cp "$tarball" "$work/old/try"
     check "the tarball's commands of docs/install.md work in Debian 11" inside old < <(commands_of Tarball)
@@ -171,18 +173,23 @@ test_wheel() {
     cp "$wheel" "$work/wheel/try/build/wheels"
     check "the wheel's system has Python" inside wheel <<<'apt-get update; apt-get install --yes --no-install-recommends python3-venv; python3 -m venv /venv'
     check "the wheel's command of docs/install.md works" inside wheel < <(echo 'source /venv/bin/activate'; commands_of Wheel | grep '^pip install build')
-    check "the wheel's program renders" inside wheel <<<'/venv/bin/fathom render model.glb'
-    check "the wheel's program wrote an image" is_png "$work/wheel/try/model.png"
-    check "the wheel's program writes the tarball's bits" cmp "$work/wheel/try/model.png" "$work/model-12.png"
-    check "Python renders with the wheel" inside wheel <<<'/venv/bin/python -c "import fathom; fathom.render(\"model.glb\").save(\"python.png\")"'
-    check "Python writes the tarball's bits" cmp "$work/wheel/try/python.png" "$work/model-12.png"
+    # The program of the tarball, which package.sh built, and the wheel's, from the shell and from Python, write the same bits.
+    check "the wheel's program renders" inside wheel <<<'/venv/bin/fathom render model.glb --size 99x77 --spp 4 -o command.png'
+    check "Python renders with the wheel" inside wheel <<<'/venv/bin/python -c "import fathom; fathom.render(\"model.glb\", size=(99, 77), spp=4).save(\"python.png\")"; cmp command.png python.png'
+    check "the wheel's image is the tarball's" cmp "$work/wheel/try/command.png" "$work/small-12.png"
     check "there is no compiler" inside wheel <<<'! command -v cc c++ gcc g++ clang'
 }
 
 tar xzf "$packages"/fathom-*-linux-x86_64.tar.gz -C "$work"
 program=$work/fathom-0.1.0/bin/fathom
-printf 'v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n' >"$work/model.obj"
-"$program" convert "$work/model.obj" "$work/model.glb" >/dev/null 2>&1
+# A model with a camera and a light of its own, whose image of default size and samples takes half a minute of one core.
+cat >"$work/model.json" <<'JSON'
+{"fathom": 1, "materials": {"red": {"kind": "diffuse", "color": [0.8, 0.1, 0.1]}},
+ "camera": {"position": [3, 2, 4], "look_at": [0, 0, 0]},
+ "scene": [{"material": "red", "box": {"min": [-1, -1, -1], "max": [1, 1, 1]}}],
+ "lights": {"lamp": {"kind": "point", "position": [2, 4, 3], "intensity": 300}}}
+JSON
+"$program" convert "$work/model.json" "$work/model.glb" >/dev/null 2>&1
 # A binary PLY of 10 MB: a grid of 500 x 500 vertices, rounded to a bump.
 python3 - "$work/large.ply" <<'PYTHON'
 import math, struct, sys
