@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
 # Toolchain of the preset `portable`: compiles for the system in the folder FATHOM_PORTABLE_ROOT, which scripts/portable_root.sh
-# makes, so that the program runs there and on later systems. Headers and libraries are the root's; the compiler and
-# Python are this machine's.
+# makes, so that the program runs there and on later systems. Headers and libraries are the root's; the compiler
+# is this machine's.
 set(CMAKE_SYSROOT $ENV{FATHOM_PORTABLE_ROOT})
 if(NOT CMAKE_SYSROOT)
-  message(FATAL_ERROR "FATHOM_PORTABLE_ROOT is not set: scripts/package.sh and scripts/wheel.sh set it")
+  message(FATAL_ERROR "FATHOM_PORTABLE_ROOT is not set: scripts/package.sh portable sets it")
 endif()
 set(CMAKE_C_COMPILER clang-19)
 set(CMAKE_CXX_COMPILER clang++-19)

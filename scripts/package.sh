@@ -4,10 +4,11 @@
 #   scripts/package.sh tarball [FOLDER]     fathom-VERSION-linux-x86_64.tar.gz: unpack it anywhere
 #   scripts/package.sh deb [FOLDER]         fathom-render_VERSION_amd64.deb and fathom-render-dev_VERSION_amd64.deb
 #   scripts/package.sh all [FOLDER]         both
+#   scripts/package.sh portable [FOLDER]    the tarball for older systems: glibc 2.28, libstdc++ of GCC 8
 # The packages are written to FOLDER, default build/packages. DEBFULLNAME and DEBEMAIL name the maintainer of the
-# Debian packages, which are for this machine's system. The tarball is built for older systems, with the libraries of a
-# folder that scripts/portable_root.sh makes: FATHOM_PORTABLE_ROOT, default build/portable-root. FATHOM_BUILD names a finished
-# build of the preset `package` to pack instead of building; its tarball is for this machine's system.
+# Debian packages. FATHOM_BUILD names a finished build of the preset to pack instead of building one. The preset is
+# `package`, and `portable` for older systems, which takes the libraries of a folder that scripts/portable_root.sh makes:
+# FATHOM_PORTABLE_ROOT, default build/portable-root.
 set -euo pipefail
 here=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 cd "$here"
@@ -17,7 +18,7 @@ source scripts/setup.sh
 source scripts/portable.sh
 
 kind=${1:-}
-if [[ ! $kind =~ ^(tarball|deb|all)$ ]] || [ $# -gt 2 ]; then
+if [[ ! $kind =~ ^(tarball|deb|all|portable)$ ]] || [ $# -gt 2 ]; then
     sed -n '1d; /^# SPDX/d; /^#/!q; s/^# \{0,1\}//p' "scripts/${BASH_SOURCE[0]##*/}" >&2
     exit 2
 fi
@@ -185,16 +186,12 @@ use_build() {
 install_missing "${packages_to_build[@]}" "${packages_to_package[@]}"
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
-if [ "$kind" != tarball ]; then
-    use_build package ''
-    make_debs
-fi
-if [ "$kind" != deb ]; then
-    if [ -n "${FATHOM_BUILD:-}" ]; then
-        use_build package ''
-    else
-        make_portable_root
-        use_build portable "$FATHOM_PORTABLE_ROOT"
-    fi
+if [ "$kind" = portable ]; then
+    make_portable_root
+    use_build portable "$FATHOM_PORTABLE_ROOT"
     make_tarball
+    exit
 fi
+use_build package ''
+if [ "$kind" != deb ]; then make_tarball; fi
+if [ "$kind" != tarball ]; then make_debs; fi

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
-# Shared by package.sh and wheel.sh, which `source` it after setup.sh: builds for older systems.
+# Builds for older systems: package.sh sources it after setup.sh.
 
 # Makes the folder FATHOM_PORTABLE_ROOT (default build/portable-root) with the libraries of an older system, once.
 make_portable_root() {
