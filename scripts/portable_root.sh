@@ -58,7 +58,11 @@ add_headers() {
         mkdir -p stubs
         rm -f libstdc++.so libgcc_s.so.1
         ln -s ../../../../../lib/x86_64-linux-gnu/libgcc_s.so.1 libgcc_s.so.1
-        echo "INPUT ( $PWD/stubs/libstdc++.so.6 libstdc++.a )" >libstdc++.so
+        # libstdc++.a of Debian 12 reads this variable of glibc 2.32; 0 means that there may be several threads.
+        echo "__attribute__((visibility(\"hidden\"))) char __libc_single_threaded = 0;" |
+            clang-19 -x c -O2 -fPIC -c - -o single_threaded.o
+        ar rcs libsingle_threaded.a single_threaded.o
+        echo "INPUT ( $PWD/stubs/libstdc++.so.6 libstdc++.a libsingle_threaded.a )" >libstdc++.so
         echo "INPUT ( $PWD/stubs/libm.so.6 )" >/usr/lib/x86_64-linux-gnu/libm.so
         # This function came with glibc 2.30.
         sed -i "/_GLIBCXX_USE_PTHREAD_COND_CLOCKWAIT/d" /usr/include/x86_64-linux-gnu/c++/12/bits/c++config.h'
