@@ -119,6 +119,28 @@ test_old_system() {
     check "the tarball's commands of docs/install.md work in Debian 11" inside old < <(commands_of Tarball)
     check "the tarball's program wrote an image in Debian 11" is_png "$work/old/try/model.png"
     check "the images of Debian 11 and 12 are equal" cmp "$work/old/try/model.png" "$work/model-12.png"
+    test_formats_in_old_system
+}
+
+# Renders files of other formats in Debian 11 and on this machine: the images are equal.
+test_formats_in_old_system() {
+    local file files=(pyramid.obj pyramid.off) draco=../shared/scenes/gltf/Duck/glTF-Draco
+    printf '%s\n' 'v -1 0 -1' 'v 1 0 -1' 'v 0 0 1' 'v 0 1 0' 'f 1 2 3' 'f 1 4 2' 'f 2 4 3' 'f 3 4 1' >"$work/pyramid.obj"
+    # Assimp reads OFF.
+    printf '%s\n' OFF '4 4 6' '-1 0 -1' '1 0 -1' '0 0 1' '0 1 0' '3 0 1 2' '3 0 3 1' '3 1 3 2' '3 2 3 0' >"$work/pyramid.off"
+    if [ -e "$draco" ]; then
+        cp --no-preserve=mode "$draco"/* "$work"
+        cp --no-preserve=mode "$draco"/* "$work/old/try"
+        files+=(Duck.gltf)
+    else
+        echo "skipped a file that Draco compressed: there is no $draco"
+    fi
+    for file in "${files[@]}"; do
+        cp "$work/$file" "$work/old/try"
+        check "Debian 11 renders $file" inside old <<<"fathom-0.1.0/bin/fathom render $file --size 99x77 --spp 4 -o $file.png"
+        check "this machine renders $file" "$work/fathom-0.1.0/bin/fathom" render "$work/$file" --size 99x77 --spp 4 -o "$work/$file.png"
+        check "the images of $file are equal" cmp "$work/old/try/$file.png" "$work/$file.png"
+    done
 }
 
 # Runs the thumbnailer's command as a file manager does, and checks image and time.

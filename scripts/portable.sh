@@ -23,5 +23,5 @@ needed_libraries() {
         else
             ldd "$file"
         fi
-    done | sed -n 's/^[[:space:]]*\([^ ]*\) => \(\/[^ ]*\) .*/\1 \2/p' | sort -u
+    done | sed -n 's/^[[:space:]]*\([^ /]*\) => \(\/[^ ]*\) .*/\1 \2/p' | sort -u
 }

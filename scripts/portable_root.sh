@@ -38,7 +38,7 @@ make_system() {
     inside apt-get -q update
     inside apt-get -q install --yes --no-install-recommends clang-19 ninja-build ccache pkg-config python3-venv python3-pip \
         patchelf dpkg-dev fakeroot git ca-certificates xz-utils libjpeg-dev zlib1g-dev \
-        libutfcpp-dev libsfml-dev libopenmpi-dev
+        libutfcpp-dev libminizip-dev libsfml-dev libopenmpi-dev
     # The root trusts the certificates that this machine trusts.
     cp --dereference /etc/ssl/certs/ca-certificates.crt "$root/etc/ssl/certs"
     inside python3 -m venv /opt/cmake
@@ -50,10 +50,11 @@ make_system() {
 # lack what came after glibc 2.28 and GCC 8. What the stub of libstdc++.so.6 lacks is linked statically.
 add_headers() {
     # shellcheck disable=SC2016  # for the shell in the root
-    inside bash -euc 'cd "$(mktemp -d)"
+    inside bash -euc 'folder=$(mktemp -d); cd "$folder"
         apt-get -q download gcc-12-base/bookworm libstdc++-12-dev/bookworm libgcc-12-dev/bookworm libavif-dev/bookworm libcli11-dev/bookworm \
             nlohmann-json3-dev/bookworm libstb-dev/bookworm libxxhash-dev/bookworm
         for package in ./*.deb; do dpkg-deb -x "$package" /; done
+        rm -r "$folder"
         cd /usr/lib/gcc/x86_64-linux-gnu/12
         mkdir -p stubs
         rm -f libstdc++.so libgcc_s.so.1
@@ -87,12 +88,15 @@ add_library() {
     inside dpkg-query --show "$package" >/dev/null 2>&1 && return
     # shellcheck disable=SC2016  # for the shell in the root
     inside bash -euc 'package=$1 source=$2 jobs=$3; shift 3
-        folder=$(mktemp -d); cd "$folder"
+        # An interrupted run leaves this folder, and the next one goes on there.
+        folder=/var/tmp/fathom/$package
+        mkdir -p "$folder"; cd "$folder"
         apt-get -q source "$source/bookworm"
         cd "$source"-*/
         CC=clang-19 CXX=clang++-19 cmake -S . -B build -G Ninja -DCMAKE_BUILD_TYPE=Release -DCMAKE_INSTALL_PREFIX=/usr \
             -DCMAKE_INSTALL_LIBDIR=lib/x86_64-linux-gnu -DBUILD_SHARED_LIBS=ON -DBUILD_TESTING=OFF -Wno-dev "$@"
         cmake --build build --parallel "$jobs"
+        rm -rf "$folder/tree"
         DESTDIR=$folder/tree cmake --install build
         mkdir -p "$folder/tree/DEBIAN" "$folder/tree/usr/share/doc/$package"
         cp debian/copyright "$folder/tree/usr/share/doc/$package"
@@ -117,7 +121,7 @@ add_library fathom-fmt fmtlib -DFMT_TEST=OFF -DFMT_DOC=OFF
 add_library fathom-pugixml pugixml
 add_library fathom-meshoptimizer meshoptimizer -DMESHOPT_BUILD_SHARED_LIBS=ON -DMESHOPT_SOVERSION=2d
 add_library fathom-draco draco
-add_library fathom-assimp assimp -DASSIMP_BUILD_ASSIMP_TOOLS=OFF -DASSIMP_BUILD_TESTS=OFF -DASSIMP_NO_EXPORT=ON -DASSIMP_WARNINGS_AS_ERRORS=OFF -DASSIMP_BUILD_DRACO=OFF -DASSIMP_BUILD_ZLIB=OFF
+add_library fathom-assimp assimp -DCMAKE_BUILD_TYPE=MinSizeRel -DASSIMP_BUILD_ASSIMP_TOOLS=OFF -DASSIMP_BUILD_TESTS=OFF -DASSIMP_NO_EXPORT=ON -DASSIMP_WARNINGS_AS_ERRORS=OFF -DASSIMP_BUILD_DRACO=OFF -DASSIMP_BUILD_ZLIB=OFF
 make_links_relative
 inside touch /opt/complete
 echo "$root"
