@@ -31,7 +31,7 @@ export SOURCE_DATE_EPOCH=${SOURCE_DATE_EPOCH:-$(git log -1 --format=%ct 2>/dev/n
 
 # Libraries of the system, which the tarball doesn't bring: the C and C++ runtime, X11, OpenGL and udev of the window,
 # and MPI, which must be the cluster's own.
-system_libraries='^(linux-vdso|ld-linux.*|lib(c|m|dl|rt|pthread|stdc\+\+|gcc_s|X.*|xcb.*|GL.*|bsd|md|udev|mpi.*|open-.*|hwloc|event.*))\.so'
+system_libraries='^(linux-vdso|ld-linux.*|lib(c|m|dl|rt|util|pthread|stdc\+\+|gcc_s|X.*|xcb.*|GL.*|bsd|md|udev|mpi.*|open-.*|hwloc|event.*))\.so'
 
 # Copies the licenses of code that is compiled into the program and the libraries.
 copy_licenses() {

@@ -98,6 +98,8 @@ add_library() {
         cmake --build build --parallel "$jobs"
         rm -rf "$folder/tree"
         DESTDIR=$folder/tree cmake --install build
+        # Some packages name libraries by absolute paths, which a build outside of the root would look for on its machine.
+        find "$folder/tree" -iname "*targets*.cmake" -exec sed -i "s|\([\";:]\)/usr/lib/|\1\${CMAKE_SYSROOT}/usr/lib/|g" {} +
         mkdir -p "$folder/tree/DEBIAN" "$folder/tree/usr/share/doc/$package"
         cp debian/copyright "$folder/tree/usr/share/doc/$package"
         printf "Package: %s\nVersion: %s\nArchitecture: amd64\nMaintainer: none\nDescription: %s, compiled for older systems\n" \
