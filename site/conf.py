@@ -15,8 +15,8 @@ version = release = re.search(r"project\(fathom VERSION ([0-9.]+)", (ROOT / "CMa
 
 extensions = ["myst_parser", "sphinx.ext.autodoc"]
 root_doc = "README"
-include_patterns = ["*.md", "docs/**.md", "bench/README.md", "bench/scaling/README.md", "examples/README.md",
-                    "scenes/README.md", "tests/README.md"]
+include_patterns = ["*.md", "docs/**.md", "bench/README.md", "bench/compare/README.md", "bench/scaling/README.md",
+                    "examples/README.md", "scenes/README.md", "tests/README.md"]
 exclude_patterns = ["build"]
 
 myst_enable_extensions = ["html_image"]
@@ -50,7 +50,7 @@ def add_contents(app, name, source):
     if name == root_doc:
         source[0] += "\n" + (ROOT / "site/navigation.md").read_text(encoding="utf-8")
     elif FIRST_PAGE_OF_FOLDER.fullmatch(name):
-        source[0] += OTHER_PAGES.format(pages="scaling/README" if name.startswith("bench") else "*")
+        source[0] += OTHER_PAGES.format(pages="compare/README\nscaling/README" if name.startswith("bench") else "*")
 
 
 def list_parameters(app, what, name, thing, options, lines):

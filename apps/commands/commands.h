@@ -38,6 +38,7 @@ void add_info(CLI::App& program, Run& run);
 void add_convert(CLI::App& program, Run& run);
 void add_diff(CLI::App& program, Run& run);
 void add_view(CLI::App& program, Run& run);
+void add_why(CLI::App& program, Run& run);
 void add_version(CLI::App& program, Run& run);
 void add_completion(CLI::App& program, Run& run);
 void add_man(CLI::App& program, Run& run);

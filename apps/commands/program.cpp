@@ -130,6 +130,7 @@ void add_commands(CLI::App& program, Run& run)
     add_info(program, run);
     add_convert(program, run);
     add_diff(program, run);
+    add_why(program, run);
     add_view(program, run);
     add_version(program, run);
     add_completion(program, run);

@@ -133,9 +133,11 @@ RenderPlan make_plan(const RenderOptions& o, const LoadedScene& loaded, std::opt
     return plan;
 }
 
-bool is_worth_a_trial(const RenderPlan& plan)
+std::optional<TrialEffort> light_trial_effort(const RenderPlan& plan)
 {
-    return is_long(plan, 1 << 25, 8, 30);
+    if (is_long(plan, 1 << 25, 8, 30)) return TrialEffort::full;
+    if (is_long(plan, 1 << 21, 8, 2)) return TrialEffort::quick;
+    return {};
 }
 
 void check_film_memory(const RenderPlan& plan)

@@ -40,8 +40,8 @@ struct RenderPlan {
 RenderPlan make_plan(const RenderOptions& options, const LoadedScene& loaded, std::optional<Denoiser> denoiser,
                      Ranks* ranks, Reporter& reporter);
 
-/// Whether the render takes so long that a trial of light tracing costs little.
-bool is_worth_a_trial(const RenderPlan& plan);
+/// The trial of light tracing that costs little of the render's time; none in short renders.
+std::optional<TrialEffort> light_trial_effort(const RenderPlan& plan);
 
 /// Throws Error if the film and its images need more memory than is free.
 void check_film_memory(const RenderPlan& plan);

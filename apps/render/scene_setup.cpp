@@ -318,20 +318,23 @@ void decide_on_caustics(const LitScene& lit, const CausticsChoice& choice, Rende
                         Reporter& reporter)
 {
     const std::string& refracted = lit.refracted_light;
-    if (!choice.wanted && choice.tries) {
-        const LightTracingTrial trial = try_light_tracing(RenderJob(lit.scene, settings)).value_or(LightTracingTrial{});
-        settings.light_paths = trial.light_paths;
-        if (trial.light_paths > 0)
-            reporter.note(
-                fmt::format("caustics: on, because {} (disable them with --caustics off)",
-                            trial.missing_light > 1e-3
-                                ? fmt::format("{:.2g} % of the light would be missing", 100 * trial.missing_light)
-                                : std::string("a trial shows less noise for the time")));
-    } else if (!refracted.empty() && settings.light_sampling && choice.wanted.value_or(true)) {
-        settings.light_paths = usual_light_paths;
+    const auto use = [&](double light_paths, const std::string& reason) {
+        settings.light_paths = light_paths;
         if (!choice.wanted)
-            reporter.note(fmt::format("caustics: on, because {} (disable them with --caustics off)", refracted));
+            reporter.note(fmt::format("caustics: on, because {} (disable them with --caustics off)", reason));
+    };
+    if (!choice.wanted && choice.trial) {
+        const LightTracingTrial trial =
+            try_light_tracing(RenderJob(lit.scene, settings), nullptr, *choice.trial).value_or(LightTracingTrial{});
+        settings.light_paths = 0;
+        if (trial.light_paths > 0)
+            use(trial.light_paths, trial.missing_light > 1e-3 ? fmt::format("{:.2g} % of the light would be missing",
+                                                                            100 * trial.missing_light)
+                                                              : "a trial shows less noise for the time");
     }
+    const bool is_decided = !choice.wanted && (choice.trial == TrialEffort::full || settings.light_paths > 0);
+    if (!is_decided && !refracted.empty() && settings.light_sampling && choice.wanted.value_or(true))
+        use(usual_light_paths, refracted);
     if (!refracted.empty() && settings.light_paths == 0)
         warnings.add(
             fmt::format("{}: {}, and the light that the glass refracts is missing (caustics); --caustics on "

@@ -7,6 +7,7 @@
 #include "fathom/editable_scene.h"
 #include "fathom/image.h"
 #include "fathom/lighting.h"
+#include "fathom/render.h"
 #include "fathom/scene_file.h"
 #include "options/image_options.h"
 #include "options/scene_options.h"
@@ -48,12 +49,12 @@ void apply_light(const LitScene& lit, const ImageOptions& options, RenderSetting
 
 /// Who decides on light tracing.
 struct CausticsChoice {
-    std::string file;            ///< name of the scene, for warnings
-    std::optional<bool> wanted;  ///< the user's choice
-    bool tries = false;          ///< the render is long enough for a trial
+    std::string file;                    ///< name of the scene, for warnings
+    std::optional<bool> wanted;          ///< the user's choice
+    std::optional<TrialEffort> trial{};  ///< the trial that the render is long enough for
 };
-/// Sets RenderSettings::light_paths if the user left the choice to the program: by a trial, or else if glass refracts
-/// light that path tracing alone cannot find. Warns if that light will be missing.
+/// Sets RenderSettings::light_paths if the user left the choice to the program: by a trial, or else, and after a quick
+/// trial, if glass refracts light that path tracing alone cannot find. Warns if that light will be missing.
 void decide_on_caustics(const LitScene& lit, const CausticsChoice& choice, RenderSettings& settings, Warnings& warnings,
                         Reporter& reporter);
 

@@ -122,6 +122,10 @@ FATHOM_API void check_output(const std::filesystem::path& file, int width = 0, i
 /// Throws Error if that fails, or if the layers don't have the size of the image; an earlier file then remains.
 FATHOM_API void write_image(const std::filesystem::path& file, const Image& image, const WriteOptions& options);
 
+/// Returns the bytes of a PNG file of the first layer, for documents that contain their images. Throws Error if the
+/// layers don't have the size of the image, or PNG can't hold it.
+FATHOM_API std::vector<unsigned char> encode_png_image(const Image& image, const WriteOptions& options);
+
 /// Converts a layer to 8-bit sRGB pixels for a window.
 ///
 /// layer          Linear colors, premultiplied if there is a channel A. Red, green and blue are found by the names R, G

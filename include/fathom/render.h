@@ -57,16 +57,23 @@ struct LightTracingTrial {
     /// Fraction of the image's light that path tracing alone cannot find.
     double missing_light = 0;
 };
+/// How thorough a trial is.
+enum class TrialEffort {
+    quick,  ///< As long as some 80,000 samples. It finds large gains only, and does not aim light paths.
+    full    ///< As long as some 500,000 samples.
+};
 /// Renders a small image with few samples to find out whether light tracing reduces the noise for the time that it
-/// takes. It takes about as long as 500,000 samples of the image.
+/// takes.
 ///
 /// job     What would be rendered; its own number of light paths does not matter.
 /// cancel  If not null and set to true by another thread, the trial stops soon.
+/// effort  How thorough the trial is.
 ///
 /// The result depends on scene, camera and settings only, so parts of an image agree on it. Returns nothing if `cancel`
 /// became true.
 FATHOM_API std::optional<LightTracingTrial> try_light_tracing(const RenderJob& job,
-                                                              const std::atomic<bool>* cancel = nullptr);
+                                                              const std::atomic<bool>* cancel = nullptr,
+                                                              TrialEffort effort = TrialEffort::full);
 
 /// Returns the linear Rec.709 radiance of one sample of pixel (x, y), which is the value that render() adds to a film.
 /// It is meant for debugging. Throws Error if the pixel is not in the image or the index is not below max_samples.

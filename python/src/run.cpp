@@ -96,7 +96,7 @@ void Run::prepare(Scene& scene, const std::vector<std::string>& scene_words, boo
     if (!take) scene.set_prepared(prepared_);
     cli::apply_light(prepared_->lit, options_.images, plan_->settings, plan_->write.display, reporter_);
     cli::decide_on_caustics(prepared_->lit,
-                            {options_.scene.file.string(), options_.settings.caustics, cli::is_worth_a_trial(*plan_)},
+                            {options_.scene.file.string(), options_.settings.caustics, cli::light_trial_effort(*plan_)},
                             plan_->settings, warnings, reporter_);
 }
 

@@ -55,7 +55,8 @@ public:
           sorter_(scene),
           see_through_(scene, counters),
           mixtures_(scene),
-          walk_(scene, settings_, counters, clock_)
+          profiler_(nullptr, scene.tables, 0),
+          walk_(scene, settings_, counters, clock_, profiler_)
     {
     }
 
@@ -521,6 +522,7 @@ private:
     PoolSorter sorter_;
     CameraPassThrough see_through_;
     MixtureStage mixtures_;
+    PathProfiler profiler_;  ///< off: only paths from the camera are profiled
     MediumStage walk_;
     ShadowQueue shadows_;
     Column<float> film_x_, film_y_, film_u_, film_v_;  ///< of the connections: positions in the image, random numbers

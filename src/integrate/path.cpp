@@ -36,7 +36,7 @@ public:
           emitter_(scene, lights_, settings.light_targets),
           settings_(settings),
           lights_are_sampled_(settings.light_sampling && !tables_.lights.empty()),
-          columns_(path_columns(scene.features, settings, job.records != nullptr)),
+          columns_(path_columns(scene.features, settings, job.records != nullptr || job.profile != nullptr)),
           camera_media_(scene.has(Feature::media_stacks) ? media_at(scene, camera.position, camera.shutter_open)
                                                          : MediumStack()),
           camera_paths_(scene, camera, settings, job),
@@ -47,9 +47,10 @@ public:
           sorter_(scene),
           see_through_(scene, counters),
           mixtures_(scene),
-          walk_(scene, settings, counters, clock_),
           recorder_(job.records, camera_paths_.total()),
-          shade_(scene, camera, settings, counters, clock_, recorder_)
+          profiler_(job.profile, scene.tables, camera_paths_.total()),
+          walk_(scene, settings, counters, clock_, profiler_),
+          shade_(scene, camera, settings, counters, clock_, recorder_, profiler_)
     {
     }
 
@@ -70,7 +71,9 @@ public:
             active = process_hits(active);
             std::swap(paths_, spare_);
             if (recorder_.is_on()) recorder_.record_surfaces(*paths_, sorter_.hits(), sorter_.size());
+            if (profiler_.is_on()) arrive_in_profile();
             shade_.run(*paths_, sorter_.hits(), sorter_.kind_end());
+            if (profiler_.is_on()) profiler_.record_light_samples(*paths_, sorter_.size());
             clock_.enter(RenderStage::film);
             active = retire_paths(active);
         }
@@ -119,9 +122,16 @@ private:
     {
         counters_.count_rays(RayKind::bounce, fresh);
         counters_.count_rays(RayKind::camera, active - fresh);
-        if (scene_.is_flat) return trace_paths(scene_, *paths_, hits_, 0, active, false);
+        if (profiler_.is_on()) profiler_.charge(*paths_, fresh, active);
+        if (scene_.is_flat) {
+            trace_paths(scene_, *paths_, hits_, 0, active, false);
+            if (profiler_.is_on()) profiler_.charge_rays(*paths_, 0, active);
+            return;
+        }
         trace_paths(scene_, *paths_, hits_, 0, fresh, false);
+        if (profiler_.is_on()) profiler_.charge_rays(*paths_, 0, fresh);
         trace_paths(scene_, *paths_, hits_, fresh, active, true);
+        if (profiler_.is_on()) profiler_.charge_rays(*paths_, fresh, active);
     }
 
     // ------------------------------------------------------------------------------------------- arrive
@@ -130,7 +140,10 @@ private:
     /// spare pool, followed by those that a medium scattered. Returns the number of paths that continue.
     std::size_t process_hits(std::size_t active)
     {
-        if (scene_.has(Feature::attenuation)) walk_.run(*paths_, hits_, active);
+        if (scene_.has(Feature::attenuation)) {
+            walk_.run(*paths_, hits_, active);
+            if (profiler_.is_on()) profiler_.record_media(*paths_, hits_, active);
+        }
         if (scene_.has(Feature::mixtures)) mixtures_.choose(*paths_, hits_, active, columns_.has(PathColumn::time));
         std::size_t emitting = 0, missing = 0, finished = 0, walking = 0;
         PathPool& p = *paths_;
@@ -161,6 +174,10 @@ private:
         if (first_hits_.wanted()) add_first_hits(active);
         for (std::size_t i = 0; i < emitting; i += lanes) add_emission(i, first_lanes(emitting - i));
         for (std::size_t i = 0; i < missing; i += lanes) add_environment(i, first_lanes(missing - i));
+        if (profiler_.is_on()) {
+            profiler_.record_emission(*paths_, hits_, scene_.is_flat, active);
+            profiler_.charge(*paths_, 0, active);
+        }
         clock_.enter(RenderStage::film);
         for (std::size_t i = 0; i < finished; ++i) {
             fetch_sums(finished_[std::min(i + fetched_ahead, finished - 1)]);
@@ -177,6 +194,13 @@ private:
             append(paths_->exit_offset, spare_->exit_offset);
         }
         return packed + walking;
+    }
+
+    /// Moves the profile's paths to the surfaces that are shaded next, which sorting was for.
+    void arrive_in_profile()
+    {
+        profiler_.arrive(*paths_, sorter_.hits(), scene_.is_flat, scene_.has(Feature::mixtures), sorter_.size());
+        profiler_.charge(*paths_, 0, sorter_.size());
     }
 
     /// Decides which paths of the gang, among the lanes of m, sample a light at their vertex. Returns the bucket flag
@@ -207,6 +231,7 @@ private:
     {
         const PathPool& p = *paths_;
         if (recorder_.is_on()) recorder_.end_path(p, i);
+        if (profiler_.is_on()) profiler_.end_path(p.number[i]);
         sums_.add(PathPool::pixel_of(p.state[i]), reverse_bits_scalar(p.reversed_index[i]), p.radiance.c[0][i],
                   p.radiance.c[1][i], p.radiance.c[2][i]);
     }
@@ -396,8 +421,9 @@ private:
     PoolSorter sorter_;
     CameraPassThrough see_through_;
     MixtureStage mixtures_;
-    MediumStage walk_;
     PathRecorder recorder_;
+    PathProfiler profiler_;
+    MediumStage walk_;
     ShadeStage shade_;
     Column<std::uint32_t> emitting_, missing_, finished_, walking_;
 };
@@ -416,7 +442,7 @@ void render_job(const KernelScene& scene, const CameraRecord& camera, const Kern
         const std::unique_ptr<Tracer> tracer(new Tracer(lane_scene, camera, settings, job, sums, counters));
         tracer->run();
     };
-    if (!lane_scene.has(Feature::only_quads) || settings.clamp_indirect > 0 || settings.light_paths > 0)
+    if (!lane_scene.has(Feature::only_quads) || settings.clamp_indirect > 0 || settings.light_paths > 0 || job.profile)
         run(std::type_identity<PathTracer>());
     // The quad loops do not record paths: they are faster without guiding than the general loop is with it.
     else if (job.records)

@@ -61,7 +61,7 @@ enum class PathColumn : std::uint32_t {
 };
 using PathColumns = EnumSet<PathColumn>;
 
-/// Optional columns that paths need. records: whether the job records paths for guiding.
+/// Optional columns that paths need. records: whether the job records paths.
 inline PathColumns path_columns(const Features& features, const KernelSettings& settings, bool records)
 {
     PathColumns columns;

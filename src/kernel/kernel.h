@@ -14,6 +14,7 @@
 #include "film/tile_sums.h"
 #include "guiding/records.h"
 #include "kernel/camera_record.h"
+#include "kernel/path_profile.h"
 #include "kernel/tables.h"
 #include "lights/targets.h"
 
@@ -79,6 +80,7 @@ struct KernelJob {
     std::uint32_t pixel_count = 0;
     std::uint32_t first_sample = 0, samples = 0;  ///< range of samples, for each pixel
     GuidingRecords* records = nullptr;            ///< receives training data for path guiding if not null
+    PathProfile* profile = nullptr;               ///< receives what paths contribute and cost if not null
 };
 
 /// Work item of light tracing: light paths [first, first + count) of one sample index.

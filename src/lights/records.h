@@ -134,6 +134,9 @@ struct LightTables {
     std::uint32_t positioned_lights = 0;  ///< number of lights with a position, which come first: all but directional
                                           ///< lights and the environment
     EnvironmentRecord environment;
+    /// Index in SceneDescription::lights of each light that is not a primitive; no_index for the environment and its
+    /// sun. These lights are the last ones.
+    std::vector<std::uint32_t> described_lights;
     /// Points whose convex hull contains all static lights that are neither primitives nor infinitely far away.
     std::vector<Vec3f> light_places;
     /// Ball that contains the scene when it is compiled, in render space.

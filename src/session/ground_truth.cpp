@@ -12,6 +12,7 @@
 #include "fathom/error.h"
 #include "kernel/kernel.h"
 #include "session/job.h"
+#include "session/objects_of_shapes.h"
 #include "session/thread_arena.h"
 
 namespace fathom {
@@ -21,21 +22,6 @@ namespace {
 constexpr float nowhere = std::numeric_limits<float>::infinity();
 /// Rows of the image per task.
 constexpr int rows_per_task = 8;
-
-/// Object of each shape of the scene, by object_id of the compiled scene.
-std::vector<std::uint32_t> objects_of_shapes(const std::vector<SceneObject>& objects)
-{
-    std::vector<std::uint32_t> of_shape;
-    for (std::size_t i = 0; i < objects.size(); ++i)
-        of_shape.resize(std::size_t(objects[i].first_shape), std::uint32_t(i));
-    return of_shape;
-}
-
-/// Number of an object in GroundTruth::instance. Shapes past the last entry belong to the last object.
-std::uint32_t instance_of(const std::vector<std::uint32_t>& of_shape, std::uint32_t shape, std::size_t objects)
-{
-    return shape < of_shape.size() ? of_shape[shape] : std::uint32_t(objects);
-}
 
 /// World and camera as the kernel sees them, in double precision.
 class CenterView {

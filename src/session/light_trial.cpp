@@ -16,8 +16,8 @@ namespace fathom {
 
 namespace {
 
-/// Sets of stratified samples with independent random numbers.
-constexpr std::size_t trial_sets = 8, trial_samples = trial_sets * set_samples;
+/// Sets of stratified samples with independent random numbers, in trials of both efforts.
+constexpr std::size_t quick_sets = 2, full_sets = 8;
 /// Numbers of light paths per pixel among which the trial chooses.
 constexpr double choices[] = {0.0625, 0.25, 1, 4};
 /// Measured cost of a ray of a light path, with its part of shading and splats, relative to one of a camera path.
@@ -25,8 +25,8 @@ constexpr double choices[] = {0.0625, 0.25, 1, 4};
 constexpr double light_ray_cost = 1.8, light_ray_cost_without_tree = 2.5;
 /// Cost of a ray of the loop for quads alone, which does without the weights that light tracing needs.
 constexpr double quad_ray_cost = 0.3;
-/// Light tracing must promise this gain: the estimate is up to three times too high.
-constexpr double least_gain = 2.5;
+/// Light tracing must promise this gain: the estimate is up to three times too high, and that of a quick trial noisy.
+constexpr double least_gain = 2.5, least_quick_gain = 5;
 /// Fraction of the image's light, missing without light tracing, for which it is always used.
 constexpr double max_missing = 1e-3;
 
@@ -35,12 +35,8 @@ struct Moments {
     double first = 0, second = 0;
 
     void add(double value, double square) { first += value, second += square; }
-    /// Variance per sample, from sums over all samples of the trial.
-    double variance() const
-    {
-        const double n = double(trial_samples);
-        return second / n - first / n * (first / n);
-    }
+    /// Variance per sample, from sums over n samples.
+    double variance(double n) const { return second / n - first / n * (first / n); }
 };
 
 /// Sums over the splats of a pixel. C is what a light path would bring without a weight.
@@ -76,9 +72,9 @@ struct LightStatistics {
 };
 
 LightStatistics trace_light(const KernelScene& scene, const CameraRecord& camera, const TrialImage& image,
-                            const std::atomic<bool>* cancel)
+                            std::size_t sets, const std::atomic<bool>* cancel)
 {
-    const LightSamples samples = trace_light_samples(scene, camera, image, trial_sets, trial_samples, false, cancel);
+    const LightSamples samples = trace_light_samples(scene, camera, image, sets, sets * set_samples, false, cancel);
     LightStatistics result{std::vector<SplatSums>(image.pixels.size()), samples.rays};
     for (const LightPathResults& job : samples.jobs)
         for (const LightSplat& splat : job.splats)
@@ -100,19 +96,24 @@ double relative_noise(const CameraStatistics& camera, const LightStatistics& lig
 }  // namespace
 
 LightTracingTrial run_light_trial(const KernelScene& scene, const LightTables& lights, const CameraRecord& camera,
-                                  const KernelSettings& settings, double rendered, const std::atomic<bool>* cancel)
+                                  const KernelSettings& settings, double rendered, TrialEffort effort,
+                                  const std::atomic<bool>* cancel)
 {
-    const std::unique_ptr<const LightTargets> targets = learn_light_targets(scene, lights, camera, settings, cancel);
+    const bool is_full = effort == TrialEffort::full;
+    const std::size_t sets = is_full ? full_sets : quick_sets;
+    const auto samples = double(sets * set_samples);
+    std::unique_ptr<const LightTargets> targets;
+    if (is_full) targets = learn_light_targets(scene, lights, camera, settings, cancel);
     TrialImage image(settings);
     image.settings.light_targets = targets.get();
-    const CameraStatistics paths = trace_camera_paths(scene, camera, image, trial_sets, cancel);
-    const LightStatistics light = trace_light(scene, camera, image, cancel);
+    const CameraStatistics paths = trace_camera_paths(scene, camera, image, sets, cancel);
+    const LightStatistics light = trace_light(scene, camera, image, sets, cancel);
     if (cancel && *cancel) throw Cancelled();
     double total = 0, missing = 0;
     std::vector<PixelVariance> bright = paths.pixels;
     for (std::size_t i = 0; i < bright.size(); ++i) {
-        bright[i].mean += light.pixels[i].found / double(trial_samples);
-        total += bright[i].mean, missing += light.pixels[i].missing / double(trial_samples);
+        bright[i].mean += light.pixels[i].found / samples;
+        total += bright[i].mean, missing += light.pixels[i].missing / samples;
     }
     LightTracingTrial trial;
     if (!(total > 0)) return trial;
@@ -123,11 +124,11 @@ LightTracingTrial run_light_trial(const KernelScene& scene, const LightTables& l
     const double ray_cost = scene.has_quad_loop() ? quad_ray_cost : 1,
                  light_cost = scene.has_tree() ? light_ray_cost : light_ray_cost_without_tree;
     const double alone = relative_noise(paths, light, squares, [&](const PixelVariance& p, const SplatSums& s) {
-        return p.variance + s.alone.variance() - s.left[traced].variance();
+        return p.variance + s.alone.variance(samples) - s.left[traced].variance(samples);
     });
     for (std::size_t k = 0; k < std::size(choices); ++k) {
         const double both = relative_noise(paths, light, squares, [&](const PixelVariance& p, const SplatSums& s) {
-            return p.variance + s.left[k].variance() - s.left[traced].variance() + s.light[k] / double(trial_samples);
+            return p.variance + s.left[k].variance(samples) - s.left[traced].variance(samples) + s.light[k] / samples;
         });
         const double cost =
             (paths.rays * rendered + choices[k] * light_cost * light.rays) / (paths.rays * rendered * ray_cost);
@@ -135,7 +136,8 @@ LightTracingTrial run_light_trial(const KernelScene& scene, const LightTables& l
         if (trial.light_paths > 0 && gain <= trial.gain) continue;
         trial.gain = gain, trial.light_paths = choices[k];
     }
-    if (trial.gain < least_gain && trial.missing_light < max_missing) trial = {0, 1, trial.missing_light};
+    if (trial.gain < (is_full ? least_gain : least_quick_gain) && trial.missing_light < max_missing)
+        trial = {0, 1, trial.missing_light};
     return trial;
 }
 

@@ -18,6 +18,7 @@ namespace fathom {
 ///
 /// Throws Cancelled when `cancel` becomes true.
 LightTracingTrial run_light_trial(const KernelScene& scene, const LightTables& lights, const CameraRecord& camera,
-                                  const KernelSettings& settings, double rendered, const std::atomic<bool>* cancel);
+                                  const KernelSettings& settings, double rendered, TrialEffort effort,
+                                  const std::atomic<bool>* cancel);
 
 }  // namespace fathom

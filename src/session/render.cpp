@@ -19,6 +19,7 @@
 #include "kernel/kernel.h"
 #include "session/guiding.h"
 #include "session/job.h"
+#include "session/kernel_settings.h"
 #include "session/light_targets.h"
 #include "session/light_trial.h"
 #include "session/thread_arena.h"
@@ -36,29 +37,6 @@ constexpr double longest_pass_s = 0.8;
 constexpr std::uint32_t light_paths_per_job = 1u << 14;
 /// Limit on the samples of a pass, which a task of the smallest tile can hold.
 constexpr std::uint64_t max_pass_samples = 1024;
-
-KernelSettings kernel_settings(const RenderSettings& s, const FilmLayout& layout)
-{
-    KernelSettings k;
-    k.width = s.width;
-    k.height = s.height;
-    k.seed = s.seed;
-    k.max_depth = s.max_depth;
-    k.roulette_depth = s.roulette_depth;
-    k.light_sampling = s.light_sampling;
-    k.light_selection = s.light_selection;
-    k.measure = s.measure_stages;
-    if (s.light_sampling)
-        k.light_paths = std::uint32_t(std::min(std::ceil(s.light_paths * s.width * s.height), 0x1p31));
-    k.clamp_indirect = s.clamp_indirect.value_or(0);
-    k.filter = std::uint32_t(s.filter);
-    if (s.filter_radius > 0) k.filter_stretch = float(s.filter_radius / filter_radii[k.filter]);
-    k.aovs = layout;
-    k.film_words = std::size_t(layout.words);
-    k.background.given = s.background.has_value();
-    if (s.background) k.background.radiance = {s.background->r, s.background->g, s.background->b};
-    return k;
-}
 
 /// The job's guiding tables, learned on the first call; nullptr without guiding. Runs in the caller's task arena.
 /// Throws Cancelled if `cancel` becomes true.
@@ -512,7 +490,8 @@ try {
     return false;
 }
 
-std::optional<LightTracingTrial> try_light_tracing(const RenderJob& job, const std::atomic<bool>* cancel)
+std::optional<LightTracingTrial> try_light_tracing(const RenderJob& job, const std::atomic<bool>* cancel,
+                                                   TrialEffort effort)
 try {
     const RenderSettings& settings = job.settings();
     const Scene::Data& scene = job.scene().data();
@@ -524,7 +503,7 @@ try {
     LightTracingTrial trial;
     arena.execute([&] {
         trial = run_light_trial(*scene.kernel, *scene.tables, job.data().camera_record,
-                                kernel_settings(settings, FilmLayout({}, false)), rendered, cancel);
+                                kernel_settings(settings, FilmLayout({}, false)), rendered, effort, cancel);
     });
     return trial;
 } catch (const Cancelled&) {

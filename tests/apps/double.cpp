@@ -13,6 +13,7 @@
 #include "fathom/lighting.h"
 #include "fathom/load.h"
 #include "fathom/memory.h"
+#include "fathom/profile.h"
 #include "fathom/render.h"
 #include "fathom/scene_file.h"
 #include "film/film_data.h"
@@ -210,6 +211,15 @@ void EditableScene::set_camera(int camera, const Camera& camera_now)
 {
     data_->scene.cameras.at(std::size_t(camera)) = camera_now;
 }
+void EditableScene::set_material(int, const Material&) {}
+SceneDescription& EditableScene::edit_description()
+{
+    return data_->scene;
+}
+Scene EditableScene::compile(Warnings& warnings)
+{
+    return compile_bit_exact(warnings);
+}
 Scene EditableScene::compile_bit_exact(Warnings& warnings)
 {
     return Scene::compile(data_->scene, data_->camera, warnings, data_->build);
@@ -253,6 +263,16 @@ RenderJob::RenderJob(const Scene& scene, const Camera& camera, const RenderSetti
     : data_(std::make_shared<const Data>(Data{scene, camera, {settings, std::string(32, '0')}}))
 {
 }
+const Scene& RenderJob::scene() const
+{
+    static const Scene none;
+    return none;
+}
+const Camera& RenderJob::camera() const
+{
+    static const Camera none;
+    return none;
+}
 const FilmKey& RenderJob::key() const
 {
     return data_->key;
@@ -293,9 +313,22 @@ bool render(const RenderJob& job, SampleRange range, Film& film, const std::atom
     if (data.dropped > 0) data.invalid_sample = Film::SampleLocation{7, 8, 9};
     return true;
 }
-std::optional<LightTracingTrial> try_light_tracing(const RenderJob&, const std::atomic<bool>*)
+std::optional<LightTracingTrial> try_light_tracing(const RenderJob&, const std::atomic<bool>*, TrialEffort)
 {
     return LightTracingTrial{};
+}
+
+std::optional<RenderProfile> profile_render(const RenderJob& job, const std::vector<SceneObject>&, int set_samples,
+                                            const std::atomic<bool>* cancel)
+{
+    if (!pass_gate.empty()) wait_at(pass_gate, 1);
+    if (cancel && *cancel) return {};
+    RenderProfile profile;
+    profile.width = job.settings().width, profile.height = job.settings().height;
+    profile.samples_per_pixel = profile_sets * set_samples;
+    const auto pixels = std::size_t(profile.width) * std::size_t(profile.height);
+    profile.image.resize(3 * pixels), profile.pixel_error.resize(pixels), profile.pixel_seconds.resize(pixels);
+    return profile;
 }
 
 PinholeCamera pinhole_camera(const RenderJob&)

@@ -33,7 +33,7 @@ from example_files import SCENE, write_example_files  # noqa: E402
 PAGES = ["README.md", "SECURITY.md",
          *(f"docs/{name}.md" for name in (
              "install", "troubleshooting", "pipes", "cli", "error", "denoising", "formats", "gallery", "coming-from",
-             "limits", "long-renders", "clusters", "untrusted-files", "python", "library", "datasets", "diff")),
+             "limits", "long-renders", "clusters", "untrusted-files", "python", "library", "datasets", "diff", "why")),
          *sorted(str(page.relative_to(ROOT)) for page in (ROOT / "docs" / "farm").glob("*.md"))]
 
 BARE = "scripts/bare_machine_test.sh runs it in a minimal system"
@@ -248,7 +248,7 @@ class Blocks(Folder):
             languages = {language for language, _ in blocks((ROOT / page).read_text(encoding="utf-8"))} - {""}
             expected = {"README.md": {"python"}, "docs/python.md": {"python"}, "docs/datasets.md": {"python"}, "docs/diff.md": {"python", "text", "yaml"},
                         "docs/pipes.md": {"text"},
-                        "docs/troubleshooting.md": {"text"}, "docs/untrusted-files.md": {"text"}}
+                        "docs/troubleshooting.md": {"text"}, "docs/untrusted-files.md": {"text"}, "docs/why.md": {"text"}}
             self.assertEqual(expected.get(page, set()), languages, page)
         # workflows_test.py checks the YAML of docs/diff.md.
         for page in 'ROOT / "README.md"', *(f'ROOT / "docs" / "{name}.md"' for name in ("python", "datasets", "diff")):

@@ -8,10 +8,11 @@ namespace {
 
 using namespace test;
 
-LightTracingTrial trial_of(const SceneDescription& description, RenderSettings settings)
+LightTracingTrial trial_of(const SceneDescription& description, RenderSettings settings,
+                           TrialEffort effort = TrialEffort::full)
 {
     Warnings warnings;
-    return try_light_tracing(RenderJob(Scene::compile(description, "", warnings), settings)).value();
+    return try_light_tracing(RenderJob(Scene::compile(description, "", warnings), settings), nullptr, effort).value();
 }
 
 /// A floor below a ball of glass and a small lamp; the camera sees the caustic only.
@@ -41,6 +42,19 @@ TEST(LightTrial, UsesItForCaustics)
     RenderSettings without = settings;
     without.light_sampling = false;
     EXPECT_EQ(trial_of(caustic_of_lamp(0.03), without).light_paths, 0);
+}
+
+/// A quick trial finds large gains, and none where there is none.
+TEST(LightTrial, AQuickOneFindsLargeGains)
+{
+    const RenderSettings settings = small_image_settings(60, 60);
+    for (const double radius : {0.02, 0.05}) {
+        const LightTracingTrial trial = trial_of(caustic_of_lamp(radius), settings, TrialEffort::quick);
+        EXPECT_GT(trial.light_paths, 0) << radius;
+        EXPECT_GT(trial.gain, 5) << radius;
+    }
+    const SceneDescription room = Room().with_rough_objects().with_lamp().scene;
+    EXPECT_EQ(trial_of(room, settings, TrialEffort::quick).light_paths, 0);
 }
 
 /// The gain that a trial tells is that of images: variance times rays.

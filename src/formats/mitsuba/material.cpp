@@ -385,9 +385,10 @@ void Reader::read_interior(const Element& element, Material& m)
     const double scale = medium.number("scale", 1);
     const Color extinction = plain_color(medium, "sigma_t", {1, 1, 1}),
                 albedo = plain_color(medium, "albedo", {0.75f, 0.75f, 0.75f});
+    float anisotropy = 0;
     for (const Element* phase_element : medium.children("phase")) {
         Object phase(*phase_element, document_);
-        if (phase.type() == "hg") m.interior.scatter_anisotropy = float(phase.number("g", 0.8));
+        if (phase.type() == "hg") anisotropy = float(phase.number("g", 0.8));
         phase.finish(context_.warnings);
     }
     medium.ignore({"sample_emitters", "has_spectral_extinction"});
@@ -401,7 +402,7 @@ void Reader::read_interior(const Element& element, Material& m)
     fill_solid(
         m, {absorbed(extinction.r, albedo.r), absorbed(extinction.g, albedo.g), absorbed(extinction.b, albedo.b)},
         {scattered(extinction.r, albedo.r), scattered(extinction.g, albedo.g), scattered(extinction.b, albedo.b)},
-        m.interior.scatter_anisotropy);
+        anisotropy);
 }
 
 /// Fills the space outside all shapes with the camera's medium, if it has one.

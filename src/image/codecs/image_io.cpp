@@ -200,6 +200,13 @@ void write_image(const fs::path& file, const Image& image, const WriteOptions& o
     }
 }
 
+std::vector<unsigned char> encode_png_image(const Image& image, const WriteOptions& options)
+{
+    check_consistent("", image);
+    check_format_size("", Format::png, image.width, image.height);
+    return encode_png(image, options);
+}
+
 Picture read_picture(const fs::path& file, std::uint64_t memory_limit)
 {
     const std::string name = file.string();

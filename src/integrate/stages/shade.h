@@ -4,6 +4,7 @@
 #include "integrate/stages/dispersion.h"
 #include "integrate/stages/light_tracing.h"
 #include "integrate/stages/path_medium.h"
+#include "integrate/stages/path_profiler.h"
 #include "integrate/stages/path_recorder.h"
 #include "integrate/stages/scatter.h"
 #include "integrate/stages/shadow.h"
@@ -20,7 +21,7 @@ inline namespace FATHOM_LANES {
 class ShadeStage {
 public:
     ShadeStage(const LaneScene& scene, const CameraRecord& camera, const KernelSettings& settings,
-               KernelCounters& counters, StageClock& clock, PathRecorder& recorder)
+               KernelCounters& counters, StageClock& clock, PathRecorder& recorder, PathProfiler& profiler)
         : scene_(scene),
           tables_(scene.tables),
           surfaces_(scene),
@@ -32,6 +33,7 @@ public:
           counters_(counters),
           clock_(clock),
           recorder_(recorder),
+          profiler_(profiler),
           lights_are_sampled_(settings.light_sampling && !tables_.lights.empty()),
           has_light_chance_(settings.skips_light_samples()),
           light_paths_(float(settings.light_paths))
@@ -56,10 +58,12 @@ public:
                         shade<Closure>(i, first_lanes(end - i));
                     }
                 });
+            if (profiler_.is_on()) profiler_.charge(paths, begin, end);
             begin = end;
         }
         clock_.enter(RenderStage::shadow);
         counters_.costs.clear_shadow_rays += shadows_.trace(scene_, paths, settings_, clock_);
+        if (profiler_.is_on()) profiler_.charge_shadow_rays(paths, begin);
     }
 
 private:
@@ -116,9 +120,27 @@ private:
                     {at.frame.n, next.wi, next.pdf, next.scatter_pdf, next.throughput,
                      expected_throughput(throughput, at.material.base_color), closure.guided_weight()},
                     valid & !ends & !next.is_delta);
+        if (profiler_.is_on()) profile_scattering<Closure>(gang, at, next, passage.undeflected);
         paths_->state.store(i, select(ends, passage.state | UInt(PathPool::dead), passage.state), valid);
         store_next_ray(gang, hit, at, next, passage.undeflected);
         if (light_paths_ > 0) store_connection(gang, at, next, first, passage.undeflected);
+    }
+
+    template <class Closure>
+    [[gnu::noinline]] void profile_scattering(const Gang& gang, const ShadingPoint<Closure>& at, const Scattered& next,
+                                              Mask undeflected)
+    {
+        const Mask transmits = Closure::transmits ? dot(next.wi, at.ng) < Float(0) : Mask(false);
+        const UInt event = select(next.is_delta, PathProfiler::delta_event(transmits),
+                                  PathProfiler::lobe_event<Closure>(next.scatter_pdf, transmits));
+        profiler_.note_scattering(*paths_, gang.i, select(undeflected, UInt(0u), event), gang.valid);
+    }
+    template <class Closure>
+    [[gnu::noinline]] void profile_light(const Gang& gang, const ShadingPoint<Closure>& at, const LightSample& s,
+                                         Float scatter_pdf, Mask lit)
+    {
+        const Mask transmits = Closure::transmits ? dot(s.wi, at.ng) < Float(0) : Mask(false);
+        profiler_.note_light(*paths_, gang.i, s.light, PathProfiler::lobe_event<Closure>(scatter_pdf, transmits), lit);
     }
 
     /// First vertices of paths as seen from the camera, where PathPool::connection begins: see light_tracing.h.
@@ -366,6 +388,7 @@ private:
         if (guidance.is_on()) roulette_shadow_ray(guidance, mean(add) * s.likely, key, seed, add, lit);
         if (none(lit)) return;
         counters_.count_rays(RayKind::shadow, std::uint64_t(count(lit)));
+        if (profiler_.is_on()) profile_light<Closure>(gang, at, s, scatter_pdf, lit);
         const Ray ray = shadow_ray(at, eye, s, gang.time);
         if (scene_.is_flat) return add_unoccluded(gang.i, ray, add, m, lit);
         const UInt path = iota() + UInt(std::uint32_t(gang.i));
@@ -416,6 +439,7 @@ private:
     KernelCounters& counters_;
     StageClock& clock_;
     PathRecorder& recorder_;
+    PathProfiler& profiler_;
     bool lights_are_sampled_, has_light_chance_;
     float light_paths_;  ///< per sample index; 0: no light tracing
 

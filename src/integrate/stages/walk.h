@@ -4,6 +4,7 @@
 
 #include "integrate/stages/path_end.h"
 #include "integrate/stages/path_medium.h"
+#include "integrate/stages/path_profiler.h"
 #include "integrate/stages/shadow.h"
 #include "kernel/camera_paths.h"
 #include "kernel/stage_clock.h"
@@ -21,12 +22,14 @@ inline namespace FATHOM_LANES {
 /// the inside of other media only through a refracting surface.
 class MediumStage {
 public:
-    MediumStage(const LaneScene& scene, const KernelSettings& settings, KernelCounters& counters, StageClock& clock)
+    MediumStage(const LaneScene& scene, const KernelSettings& settings, KernelCounters& counters, StageClock& clock,
+                PathProfiler& profiler)
         : scene_(scene),
           tables_(scene.tables),
           settings_(settings),
           counters_(counters),
           clock_(clock),
+          profiler_(profiler),
           lights_(scene, settings.light_selection, true),
           lights_are_sampled_(settings.light_sampling && !tables_.lights.empty())
     {
@@ -152,6 +155,7 @@ private:
         const Mask lit = m & (s.inverse_pdf > Float(0)) & any_positive(light);
         if (none(lit)) return;
         counters_.count_rays(RayKind::shadow, std::uint64_t(count(lit)));
+        if (profiler_.is_on()) profiler_.note_light(p, i, s.light, UInt(std::uint32_t(PathEvent::volume)), lit);
         shadows_.push({at, s.wi, s.distance * Float(1 - 0x1p-16f), time}, light, p.media.load(i),
                       iota() + UInt(std::uint32_t(i)), s.needs_environment_radiance, lit);
     }
@@ -181,6 +185,7 @@ private:
     const KernelSettings& settings_;
     KernelCounters& counters_;
     StageClock& clock_;
+    PathProfiler& profiler_;
     const LightSampler lights_;
     const bool lights_are_sampled_;
     ShadowQueue shadows_;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <numbers>
 
 #include "compile/compiler.h"
@@ -26,6 +27,7 @@ public:
         t_.light_cdf.clear();
         t_.light_pictures.clear();
         t_.light_places.clear();
+        t_.described_lights.clear();
         const Vec3d& center = c.space.ball_center;
         t_.ball_center = {float(center.x), float(center.y), float(center.z)};
         t_.ball_radius = float(c.space.ball_radius);
@@ -379,6 +381,15 @@ private:
         } else
             light.get<Own>().add_places(t_.light_places);
         add(light, *power);
+        t_.described_lights.push_back(index_of(l));
+    }
+    /// Index of a light in the description; no_index for the sun, which is part of the environment.
+    std::uint32_t index_of(const Light& light) const
+    {
+        const Light* const first = c_.scene.lights.data();
+        const std::less<> before;
+        const bool is_described = !before(&light, first) && before(&light, first + c_.scene.lights.size());
+        return is_described ? std::uint32_t(&light - first) : no_index;
     }
 
     void set_poses(LightRecord& light, const std::vector<PoseRecord>& poses)
@@ -410,6 +421,7 @@ private:
         LightRecord light;
         light.kind = std::uint32_t(LightRecordKind::environment);
         light.flags = LightRecord::two_sided;
+        t_.described_lights.push_back(no_index);
         add(light, t.mean_luminance * std::numbers::pi * 4 * std::numbers::pi * scene_radius_ * scene_radius_ / 4);
     }
 

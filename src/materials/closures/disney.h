@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 #include "materials/closures/glass.h"
+#include "materials/lobes/channel_weights.h"
 #include "materials/lobes/gtr1_coat.h"
+#include "materials/lobes/lobe_choice.h"
 
 namespace fathom {
 inline namespace FATHOM_LANES {
@@ -25,6 +27,7 @@ public:
     explicit DisneyBsdf(const DisneyMaterialPoint& m)
         : d_(m.disney),
           color_(m.base_color),
+          weights_(m.base_color),
           roughness_(m.roughness),
           metallic_(select(m.thin, Float(0), m.metallic)),
           eta_(passes ? select(m.entering | m.thin, m.ior, Float(1) / m.ior) : m.ior),
@@ -59,27 +62,26 @@ public:
     {
         return eval(chances(wo), wo, wi, without_mirrors);
     }
-    BsdfSample sample(Vec3 wo, Sample2 u, Float u1) const
+    BsdfSample sample(Vec3 wo, Sample2 u, Float) const
     {
         const Chances c = chances(wo);
+        LobeChoice choice(u.x);
+        const Mask reflected = choice.take(c.reflected), coated = choice.take(c.coat);
+        Mask goes_through(false), diffusely(false);
+        if constexpr (passes) goes_through = choice.take(c.refracted), diffusely = choice.take(c.beyond);
+        choice.take_rest(c.diffuse);
+        u.x = choice.stretched();
+
         const Vec3 o = axes_.to_facets(wo);
         Vec3 wi = sample_cosine_hemisphere(u);
-        Float left = u1;
-        const auto chosen = [&](Float share) {
-            const Mask m = (left >= Float(0)) & (left < share);
-            left = left - share;
-            return m;
-        };
         const Vec3 h = axes_.from_facets(facets_.sample(o, u));
-        wi = select(chosen(c.reflected), reflect(wo, h), wi);
-        const Mask coated = chosen(c.coat);
+        wi = select(reflected, reflect(wo, h), wi);
         if (any(coated)) wi = select(coated, coat_.sample(wo, u), wi);
         Mask refracted(false), goes_beyond(false), total(false);
         if constexpr (passes) {
-            goes_beyond = chosen(c.refracted);
+            goes_beyond = goes_through;
             refracted = goes_beyond & !thin_;
             if (any(goes_beyond)) wi = select(goes_beyond, sample_through(wo, o, h, u, refracted, total), wi);
-            const Mask diffusely = chosen(c.beyond);
             wi.z = select(diffusely, -wi.z, wi.z);
             goes_beyond |= diffusely;
         }
@@ -122,22 +124,22 @@ private:
         }
         return dielectric;
     }
-    /// Selection probabilities in proportion to approximate albedos. The specular lobe has a minimum, because it is
-    /// narrow and may reflect bright light.
+    /// Selection probabilities in proportion to approximate albedos, whose channels are weighted (ChannelWeights). The
+    /// specular lobe has a minimum, because it is narrow and may reflect bright light.
     Chances chances(const Vec3& wo) const
     {
         Spectrum reflected;
-        const Float dielectric = reflectance(wo.z, reflected), body = max_component(color_);
+        const Float dielectric = reflectance(wo.z, reflected), body = weights_.norm(color_);
         Chances c;
         c.diffuse = fma(diffuse_, body, sheen_ * Float(0.15f));
         c.coat = coated_ * Gtr1Coat::albedo(wo.z);
         c.refracted = c.beyond = Float(0);
         if constexpr (passes) {
-            c.refracted = max_component(through_) * max(Float(1) - dielectric, Float(0.05f));
+            c.refracted = weights_.norm(through_) * max(Float(1) - dielectric, Float(0.05f));
             c.beyond = diffuse_transmission_ * body;
         }
         const Float others = c.diffuse + c.coat + c.refracted + c.beyond;
-        c.reflected = select(reflected_ > Float(0), max(max_component(reflected), Float(0.1f) * others), Float(0));
+        c.reflected = select(reflected_ > Float(0), max(weights_.norm(reflected), Float(0.1f) * others), Float(0));
         const Float total = others + c.reflected, scale = Float(1) / max(total, Float(1e-20f));
         c.reflected = c.reflected * scale, c.coat = c.coat * scale, c.refracted = c.refracted * scale;
         c.beyond = c.beyond * scale;
@@ -245,6 +247,7 @@ private:
 
     DisneyPoint d_;
     Spectrum color_, tint_, through_;  ///< tint: base color of luminance 1; through: color of transmitted light
+    ChannelWeights weights_;
     Float roughness_, metallic_, eta_;
     Mask thin_, inside_, mirrors_;
     Gtr1Coat coat_;

@@ -2,7 +2,9 @@
 #pragma once
 #include "materials/closures/diffuse.h"
 #include "materials/closures/glass.h"
+#include "materials/lobes/channel_weights.h"
 #include "materials/lobes/coat.h"
+#include "materials/lobes/lobe_choice.h"
 #include "materials/lobes/sheen.h"
 #include "materials/lobes/thin_film.h"
 
@@ -53,6 +55,7 @@ public:
         const Float root = (ior - Float(1)) / (ior + Float(1));
         plain_f0_ = root * root;
         for (int i = 0; i < channels; ++i) f0_.c[i] = min(plain_f0_ * l_.specular_color.c[i], Float(1)) * l_.specular;
+        weights_ = ChannelWeights(color_);
         if constexpr (passes) {
             eta_ = select(m.entering | m.thin, ior, Float(1) / ior);
             refracts_ = l_.transmission > Float(0);
@@ -69,6 +72,7 @@ public:
                 const Float c = l_.transmission_color.c[i];
                 tint_.c[i] = select(solid_, sqrt(max(c, Float(0))), c);
             }
+            weights_ = ChannelWeights(color_ * (Float(1) - l_.transmission) + tint_ * l_.transmission);
         }
     }
     Float guided_weight() const
@@ -82,30 +86,31 @@ public:
     BsdfSample sample(Vec3 wo, Sample2 u, Float u1) const
     {
         const View v = make_view(wo);
+        LobeChoice choice(u.x);
+        Mask coated(false), fuzzy(false), diffusely(false), below(false);
+        const Mask at_boundary = choice.take(v.p_specular + v.p_refracted);
+        if (l_.has(LayersRecord::with_coat)) coated = choice.take(v.p_coat);
+        if (l_.has(LayersRecord::with_sheen)) fuzzy = choice.take(v.p_sheen);
+        if constexpr (passes) {
+            diffusely = choice.take(v.p_diffuse_transmission);
+            if (l_.has(LayersRecord::with_subsurface)) below = choice.take(v.p_subsurface);
+        }
+        choice.take_rest(v.p_diffuse);
+        u.x = choice.stretched();
+
         Vec3 wi = sample_cosine_hemisphere(u);
-        Float left = u1;
-        const auto chosen = [&](Float share) {
-            const Mask m = (left >= Float(0)) & (left < share);
-            left = left - share;
-            return m;
-        };
-        Mask refracted(false), goes_beyond(false), total(false), below(false);
+        Mask refracted(false), goes_beyond(false), total(false);
         const Vec3 h = turned(ggx_.sample(turned(wo, 1), u), -1);
-        const Float p_boundary = v.p_specular + v.p_refracted;
-        const Mask at_boundary = chosen(p_boundary);
         Mask reflected = at_boundary;
         if constexpr (passes) {
             if (any(refracts_)) {
                 const Float o = clamp(dot(wo, h), Float(0), Float(1));
-                reflected = at_boundary & (u1 < p_boundary * reflected_chance(o));
+                reflected = at_boundary & (u1 < reflected_chance(o));
             }
         }
         wi = select(reflected, reflect(wo, h), wi);
-        if (l_.has(LayersRecord::with_coat)) {
-            const Mask m = chosen(v.p_coat);
-            if (any(m)) wi = select(m, CoatLobe(l_).sample(wo, u), wi);
-        }
-        if (l_.has(LayersRecord::with_sheen)) wi = select(chosen(v.p_sheen), SheenLobe::sample(u), wi);
+        if (any(coated)) wi = select(coated, CoatLobe(l_).sample(wo, u), wi);
+        if (any(fuzzy)) wi = select(fuzzy, SheenLobe::sample(u), wi);
         if constexpr (passes) {
             const Mask through = at_boundary & !reflected;
             if (any(through)) {
@@ -120,8 +125,6 @@ public:
                 total = refracted & !(cos_t > Float(0));
                 goes_beyond = through;
             }
-            const Mask diffusely = chosen(v.p_diffuse_transmission);
-            if (l_.has(LayersRecord::with_subsurface)) below = chosen(v.p_subsurface);
             wi.z = select(diffusely | below, -wi.z, wi.z);
             goes_beyond |= diffusely;
         }
@@ -222,9 +225,9 @@ private:
     /// vary little. It is 1 where nothing is refracted.
     Float reflected_chance(const Spectrum& dielectric, const Spectrum& metal) const
     {
-        const Float boundary = max_component(dielectric);
-        const Float reflected = fma(metallic_, max_component(metal) - boundary, boundary);
-        const Float refracted = (Float(1) - metallic_) * l_.transmission * max_component(tint_) *
+        const Float boundary = weights_.norm(dielectric);
+        const Float reflected = fma(metallic_, weights_.norm(metal) - boundary, boundary);
+        const Float refracted = (Float(1) - metallic_) * l_.transmission * weights_.norm(tint_) *
                                 max(Float(1) - min_component(dielectric), Float(0));
         const Float all = reflected + refracted;
         return select(refracts_ & (all > Float(0)), reflected / max(all, Float(1e-20f)), Float(1));
@@ -261,10 +264,11 @@ private:
             v.coat_transmittance = under_coat(coat_albedo);
         }
         if (l_.has(LayersRecord::with_sheen)) {
-            sheen_albedo = outer(max_component(l_.sheen_color)) * SheenLobe(l_.sheen_roughness).albedo(wo);
-            v.sheen_transmittance = Float(1) - sheen_albedo;
+            const Float albedo = SheenLobe(l_.sheen_roughness).albedo(wo);
+            sheen_albedo = outer(weights_.norm(l_.sheen_color)) * albedo;
+            v.sheen_transmittance = Float(1) - outer(max_component(l_.sheen_color)) * albedo;
         }
-        choose(v, coat_albedo, sheen_albedo, max_component(dielectric), max_component(metal));
+        choose(v, coat_albedo, sheen_albedo, weights_.norm(dielectric), weights_.norm(metal));
         if constexpr (passes) {
             if (l_.has(LayersRecord::with_subsurface)) {
                 const auto only_out = [&](Float& p, float out) { p = select(l_.in_subsurface, Float(out), p); };
@@ -296,20 +300,20 @@ private:
         if constexpr (!passes) return opaque;
         return fma(v.refracting, v.refracted_gain - opaque, opaque);
     }
-    /// Sets selection probabilities in proportion to the lobes' albedos. The specular boundary has a minimum, because
-    /// its lobe is narrow and may reflect bright light.
+    /// Sets selection probabilities in proportion to the lobes' albedos, whose channels are weighted (ChannelWeights).
+    /// The specular boundary has a minimum, because its lobe is narrow and may reflect bright light.
     void choose(View& v, Float coat, Float sheen, Float dielectric, Float metal) const
     {
-        const Float base = v.sheen_transmittance * max_component(v.coat_transmittance),
+        const Float base = v.sheen_transmittance * weights_.norm(v.coat_transmittance),
                     body = base * (Float(1) - metallic_);
         Float specular = base * fma(metallic_, metal - dielectric, dielectric);
-        Float diffuse = body * v.boundary_transmittance * max_component(color_), beyond(0), refracted(0), below(0);
+        Float diffuse = body * v.boundary_transmittance * weights_.norm(color_), beyond(0), refracted(0), below(0);
         if constexpr (passes) {
             diffuse = diffuse * diffuse_weight_;
             beyond = body * v.boundary_transmittance * diffuse_weight_ * l_.diffuse_transmission *
-                     max_component(l_.diffuse_transmission_color);
+                     weights_.norm(l_.diffuse_transmission_color);
             diffuse = diffuse * diffuse_reflection_weight_;
-            refracted = body * l_.transmission * max_component(tint_) * max(Float(1) - dielectric, Float(0.05f));
+            refracted = body * l_.transmission * weights_.norm(tint_) * max(Float(1) - dielectric, Float(0.05f));
             below = body * v.boundary_transmittance * subsurface_weight_;
         }
         coat = v.sheen_transmittance * coat;
@@ -460,6 +464,7 @@ private:
 
     LayersPoint l_;
     Spectrum color_, f0_;
+    ChannelWeights weights_;
     Float metallic_;
     Mask thin_;
     Float plain_f0_, mean_roughness_;

@@ -2,6 +2,8 @@
 #pragma once
 #include "materials/closures/closure.h"
 #include "materials/closures/plastic_tables.h"
+#include "materials/lobes/channel_weights.h"
+#include "materials/lobes/lobe_choice.h"
 #include "materials/microfacet/microfacet.h"
 
 namespace fathom {
@@ -68,7 +70,9 @@ public:
             const Float again = select(m.nonlinear, color, Float(1));
             body_.c[i] = color / (ior_ * ior_ * max(fma(-again, inner, Float(1)), Float(1e-6f)));
         }
-        max_body_ = max_component(body_) * lets_in;
+        const Spectrum body = body_ * lets_in;
+        const ChannelWeights weights(body);
+        body_share_ = weights.norm(body) / max(weights.norm(tint_), Float(1e-4f));
     }
     Float guided_weight() const { return Float(1); }
     BsdfEval eval(Vec3 wo, Vec3 wi, Mask without_mirrors = Mask(false)) const
@@ -89,9 +93,13 @@ public:
         r.pdf = select(valid, fma(p, ggx_.g1(wo) * d * scale, (Float(1) - p) * cosine), Float(0));
         return r;
     }
-    BsdfSample sample(Vec3 wo, Sample2 u, Float u1) const
+    BsdfSample sample(Vec3 wo, Sample2 u, Float) const
     {
-        const Mask specular = u1 < boundary_probability(passes(wo.z));
+        LobeChoice choice(u.x);
+        const Float p = boundary_probability(passes(wo.z));
+        const Mask specular = choice.take(p);
+        choice.take_rest(Float(1) - p);
+        u.x = choice.stretched();
         const Vec3 wi = select(specular, reflect(wo, ggx_.sample(wo, u)), sample_cosine_hemisphere(u));
         const BsdfEval e = eval(wo, wi);
         return {wi, e.f_cos * select(e.pdf > Float(0), Float(1) / max(e.pdf, Float(1e-30f)), Float(0)), e.pdf,
@@ -147,7 +155,7 @@ private:
     /// Probability of sampling the boundary's reflection. passes_out: transmittance of the boundary towards wo.
     Float boundary_probability(Float passes_out) const
     {
-        const Float s = Float(1) - passes_out, b = passes_out * max_body_;
+        const Float s = Float(1) - passes_out, b = passes_out * body_share_;
         return select(b > Float(0), clamp(s / max(s + b, Float(1e-20f)), Float(0.1f), Float(0.9f)), Float(1));
     }
 
@@ -156,8 +164,9 @@ private:
     Mask mirrors_;
     UInt facets_;    ///< selects the blocks and rows of the tables
     Spectrum tint_;  ///< color of the boundary's reflection
-    Float ior_, thickness_, max_body_;
-    Spectrum body_;  ///< body's BRDF without the boundary's transmittances and 1 / pi
+    Float ior_, thickness_;
+    Float body_share_;  ///< albedo of the body relative to that of a boundary that reflects everything
+    Spectrum body_;     ///< body's BRDF without the boundary's transmittances and 1 / pi
 };
 
 }  // namespace FATHOM_LANES

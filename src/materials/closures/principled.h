@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 #include "materials/closures/closure.h"
+#include "materials/lobes/channel_weights.h"
+#include "materials/lobes/lobe_choice.h"
 #include "materials/microfacet/microfacet.h"
 
 namespace fathom {
@@ -25,9 +27,9 @@ public:
     {
         const Float r = (m.ior - Float(1)) / (m.ior + Float(1));
         dielectric_f0_ = r * r;
-        const Float most = max_component(color_);
-        max_f0_ = fma(metallic_, max(most, dielectric_f0_) - dielectric_f0_, dielectric_f0_);
-        max_diffuse_ = most * (Float(1) - metallic_);
+        const Float color = ChannelWeights(color_).norm(color_);
+        f0_ = fma(metallic_, max(color, dielectric_f0_) - dielectric_f0_, dielectric_f0_);
+        diffuse_ = color * (Float(1) - metallic_);
     }
     Float guided_weight() const { return fma(metallic_, min(Float(2) * roughness_, Float(1)) - Float(1), Float(1)); }
     BsdfEval eval(Vec3 wo, Vec3 wi, Mask without_mirrors = Mask(false)) const
@@ -52,9 +54,13 @@ public:
         r.pdf = select(valid, fma(p, ggx_.g1(wo) * d / (Float(4) * wo.z), (Float(1) - p) * cosine), Float(0));
         return r;
     }
-    BsdfSample sample(Vec3 wo, Sample2 u, Float u1) const
+    BsdfSample sample(Vec3 wo, Sample2 u, Float) const
     {
-        const Mask specular = u1 < specular_probability(wo);
+        LobeChoice choice(u.x);
+        const Float p = specular_probability(wo);
+        const Mask specular = choice.take(p);
+        choice.take_rest(Float(1) - p);
+        u.x = choice.stretched();
         const Vec3 wi = select(specular, reflect(wo, ggx_.sample(wo, u)), sample_cosine_hemisphere(u));
         const BsdfEval e = eval(wo, wi);
         return {wi, e.f_cos * select(e.pdf > Float(0), Float(1) / max(e.pdf, Float(1e-30f)), Float(0)), e.pdf,
@@ -73,15 +79,16 @@ private:
     }
     Float specular_probability(Vec3 wo) const
     {
-        const Float s = fma(Float(1) - max_f0_, schlick_weight(wo.z), max_f0_);
-        const Float d = max_diffuse_ * (Float(1) - s);
+        const Float s = fma(Float(1) - f0_, schlick_weight(wo.z), f0_);
+        const Float d = diffuse_ * (Float(1) - s);
         return select(d > Float(0), clamp(s / (s + d), Float(0.1f), Float(0.9f)), Float(1));
     }
 
     Float roughness_;
     Facets<Ggx> ggx_;
     Mask mirrors_;
-    Float metallic_, compensation_, dielectric_f0_, max_f0_, max_diffuse_;
+    Float metallic_, compensation_, dielectric_f0_;
+    Float f0_, diffuse_;  ///< approximate albedos of the lobes, weighted over channels
     Spectrum color_;
 };
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 /// Tests of media in Mitsuba files: inside shapes and around them.
 #include <cmath>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -41,6 +42,21 @@ TEST_F(Mitsuba, InteriorsBehindNull)
     EXPECT_NEAR(sheet.interior.scatter.r / sheet.interior.attenuation_distance, 2 * 0.75, 1e-4);
     read(fmt::format(R"(<shape type="sphere"><bsdf type="diffuse"/>{})", medium));
     EXPECT_TRUE(has_warning("is supported inside glass only"));
+}
+
+/// The phase function belongs to the medium, whatever its boundary is.
+TEST_F(Mitsuba, PhaseFunctions)
+{
+    for (const char* boundary : {"null", "dielectric"})
+        for (const auto& [phase, mean_cosine] :
+             {std::pair{R"(<phase type="hg"><float name="g" value="0.3"/></phase>)", 0.3f},
+              std::pair{R"(<phase type="hg"/>)", 0.8f}, std::pair{R"(<phase type="isotropic"/>)", 0.f},
+              std::pair{"", 0.f}}) {
+            const SceneDescription scene = read(fmt::format(
+                R"(<shape type="sphere"><bsdf type="{}"/><medium type="homogeneous" name="interior">{}</medium></shape>)",
+                boundary, phase));
+            EXPECT_EQ(material_of(scene).interior.scatter_anisotropy, mean_cosine) << boundary << phase;
+        }
 }
 
 constexpr const char* fog = R"(<medium type="homogeneous" id="fog"><float name="sigma_t" value="2"/></medium>)";
