@@ -4,17 +4,21 @@
 #   scripts/package.sh tarball [FOLDER]     fathom-VERSION-linux-x86_64.tar.gz: unpack it anywhere
 #   scripts/package.sh deb [FOLDER]         fathom-render_VERSION_amd64.deb and fathom-render-dev_VERSION_amd64.deb
 #   scripts/package.sh all [FOLDER]         both
+#   scripts/package.sh portable [FOLDER]    the tarball for older systems: glibc 2.28, libstdc++ of GCC 8
 # The packages are written to FOLDER, default build/packages. DEBFULLNAME and DEBEMAIL name the maintainer of the
-# Debian packages. FATHOM_BUILD names a finished build of the preset
-# `package` to pack instead of building one.
+# Debian packages. FATHOM_BUILD names a finished build of the preset to pack instead of building one. The preset is
+# `package`, and `portable` for older systems, which takes the libraries of a folder that scripts/portable_root.sh makes:
+# FATHOM_PORTABLE_ROOT, default build/portable-root.
 set -euo pipefail
 here=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 cd "$here"
 # shellcheck source=scripts/setup.sh
 source scripts/setup.sh
+# shellcheck source=scripts/portable.sh
+source scripts/portable.sh
 
 kind=${1:-}
-if [[ ! $kind =~ ^(tarball|deb|all)$ ]] || [ $# -gt 2 ]; then
+if [[ ! $kind =~ ^(tarball|deb|all|portable)$ ]] || [ $# -gt 2 ]; then
     sed -n '1d; /^# SPDX/d; /^#/!q; s/^# \{0,1\}//p' "scripts/${BASH_SOURCE[0]##*/}" >&2
     exit 2
 fi
@@ -27,18 +31,17 @@ export SOURCE_DATE_EPOCH=${SOURCE_DATE_EPOCH:-$(git log -1 --format=%ct 2>/dev/n
 
 # Libraries of the system, which the tarball doesn't bring: the C and C++ runtime, X11, OpenGL and udev of the window,
 # and MPI, which must be the cluster's own.
-system_libraries='^(linux-vdso|ld-linux.*|lib(c|m|dl|rt|pthread|stdc\+\+|gcc_s|X.*|xcb.*|GL.*|bsd|md|udev|mpi.*|open-.*|hwloc|event.*))\.so'
-
-# Prints names and files of the libraries that the given files need, directly or indirectly.
-needed_libraries() {
-    ldd "$@" | sed -n 's/^[[:space:]]*\([^ ]*\) => \(\/[^ ]*\) .*/\1 \2/p' | sort -u
-}
+system_libraries='^(linux-vdso|ld-linux.*|lib(c|m|dl|rt|util|pthread|stdc\+\+|gcc_s|X.*|xcb.*|GL.*|bsd|md|udev|mpi.*|open-.*|hwloc|event.*))\.so'
 
 # Copies the licenses of code that is compiled into the program and the libraries.
 copy_licenses() {
     local folder=$1 package basis=$build/crates/vendor/basis-universal-sys/vendor/basis_universal
     mkdir -p "$folder"
-    for package in libcli11-dev nlohmann-json3-dev libstb-dev libxxhash-dev; do cp "/usr/share/doc/$package/copyright" "$folder/$package"; done
+    for package in libcli11-dev nlohmann-json3-dev libstb-dev libxxhash-dev; do
+        cp "$system/usr/share/doc/$package/copyright" "$folder/$package"
+    done
+    # What the standard library of older systems lacks is linked statically.
+    if [ -n "$system" ]; then cp "$system/usr/share/doc/gcc-12-base/copyright" "$folder/libstdc++-12"; fi
     if [ -f "$basis/LICENSE" ]; then
         cp "$basis/LICENSE" "$folder/basis-universal"
         cp "$basis/zstd/LICENSE" "$folder/zstd"
@@ -50,22 +53,21 @@ bundle_libraries() {
     local root=$1 name file package licenses=$1/share/doc/fathom/licenses
     copy_licenses "$licenses"
     mapfile -t own < <(find "$root/bin" "$root/lib" -type f ! -name "*.cmake")
-    needed_libraries "${own[@]}" | while read -r name file; do
+    needed_libraries "$system" "${own[@]}" | while read -r name file; do
         if [[ $name =~ $system_libraries ]] || [[ $file = "$root"/* ]]; then continue; fi
         install -m 644 "$file" "$root/lib/$name"
         strip --strip-unneeded "$root/lib/$name"
         # shellcheck disable=SC2016  # the loader replaces $ORIGIN
         patchelf --set-rpath '$ORIGIN' "$root/lib/$name"
         # The pattern leaves out the folder, since dpkg may know it as /lib or as /usr/lib.
-        package=$(dpkg-query --search "*/$(basename "$(realpath "$file")")" | sed -n '1s/:.*//p')
-        cp "/usr/share/doc/$package/copyright" "$licenses/$package"
+        package=$(dpkg-query --admindir="$system/var/lib/dpkg" --search "*/$(basename "$(realpath "$file")")" | sed -n '1s/:.*//p')
+        cp "$system/usr/share/doc/$package/copyright" "$licenses/$package"
     done
 }
 
-# Installs the build, and the manual page and completions that the program prints.
-install_tree() {
-    local root=$1 program=$1/bin/fathom share=$1/share
-    cmake --install "$build" --prefix "$root" --strip >/dev/null
+# Adds the manual page and completions that the program prints.
+add_documents() {
+    local program=$1/bin/fathom share=$1/share
     mkdir -p "$share"/man/man1 "$share"/{bash-completion/completions,zsh/vendor-completions,fish/vendor_completions.d}
     "$program" man | gzip --best --no-name >"$share/man/man1/fathom.1.gz"
     "$program" completion bash >"$share/bash-completion/completions/fathom"
@@ -75,8 +77,9 @@ install_tree() {
 
 make_tarball() {
     local name=fathom-$version-linux-x86_64 root=$work/fathom-$version
-    install_tree "$root"
+    cmake --install "$build" --prefix "$root" --strip >/dev/null
     bundle_libraries "$root"
+    add_documents "$root"
     tar --create --sort=name --owner=0 --group=0 --numeric-owner --mtime="@$SOURCE_DATE_EPOCH" --directory="$work" \
         "fathom-$version" | gzip --best --no-name >"$folder/$name.tar.gz"
     echo "$folder/$name.tar.gz"
@@ -136,7 +139,8 @@ make_debs() {
     local tree=$work/render dev=$work/dev private=usr/lib/fathom-render architecture depends window
     architecture=$(dpkg --print-architecture)
     mkdir -p "$tree/usr/bin" "$tree/usr/share" "$dev/$private/lib" "$dev/usr/lib/cmake/fathom"
-    install_tree "$tree/$private"
+    cmake --install "$build" --prefix "$tree/$private" --strip >/dev/null
+    add_documents "$tree/$private"
     mv "$tree/$private/share"/{man,bash-completion,zsh,fish,applications,thumbnailers,mime} "$tree/usr/share"
     mkdir -p "$tree/usr/share/doc/fathom-render"
     mv "$tree/$private/share/doc/fathom"/scene* "$tree/usr/share/doc/fathom-render"
@@ -173,10 +177,21 @@ make_debs() {
     build_deb "$dev" fathom-render-dev
 }
 
+# use_build PRESET SYSTEM: builds the preset, for the system in a folder; the empty word is this machine's.
+use_build() {
+    build=${FATHOM_BUILD:-build/$1} system=$2
+    if [ -z "${FATHOM_BUILD:-}" ]; then build_preset "$1"; fi
+}
+
 install_missing "${packages_to_build[@]}" "${packages_to_package[@]}"
-build=${FATHOM_BUILD:-build/package}
-if [ -z "${FATHOM_BUILD:-}" ]; then build_preset package; fi
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
+if [ "$kind" = portable ]; then
+    make_portable_root
+    use_build portable "$FATHOM_PORTABLE_ROOT"
+    make_tarball
+    exit
+fi
+use_build package ''
 if [ "$kind" != deb ]; then make_tarball; fi
 if [ "$kind" != tarball ]; then make_debs; fi

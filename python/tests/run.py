@@ -24,5 +24,5 @@ if not list(build.glob("python/fathom/_fathom*.so")):
 if not os.path.exists(python) or subprocess.run([python, "-c", "import numpy, pytest"], capture_output=True).returncode:
     skip("NumPy or pytest is missing")
 environment = {**os.environ, "PYTHONPATH": str(build / "python"), "FATHOM_PROGRAM": program, "PYTHONDONTWRITEBYTECODE": "1"}
-sys.exit(subprocess.run([python, "-m", "pytest", "-q", "-p", "no:cacheprovider", pathlib.Path(__file__).parent],
+sys.exit(subprocess.run([python, "-m", "pytest", "-q", "-rs", "-p", "no:cacheprovider", pathlib.Path(__file__).parent],
                         env=environment).returncode)

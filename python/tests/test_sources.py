@@ -24,6 +24,24 @@ def test_open3d_like(tetrahedron):
     assert np.allclose(np.median(seen(image), axis=0), (1, 0, 0), atol=0.02)
 
 
+def test_open3d(tetrahedron):
+    open3d = pytest.importorskip("open3d", exc_type=ImportError)
+    mesh = open3d.geometry.TriangleMesh(open3d.utility.Vector3dVector(tetrahedron[0]), open3d.utility.Vector3iVector(tetrahedron[1]))
+    plain = fathom.render(tetrahedron, **SMALL).hdr["beauty"]
+    tensors = open3d.t.geometry.TriangleMesh.from_legacy(mesh)
+    for form in mesh, tensors:
+        assert np.array_equal(fathom.render(form, **SMALL).hdr["beauty"], plain), type(form)
+    mesh.compute_vertex_normals()
+    normals = np.asarray(mesh.vertex_normals)
+    assert len(normals) == 4
+    scene = fathom.Scene()
+    scene.add_mesh(*tetrahedron, normals=normals)
+    assert np.array_equal(fathom.sources.to_scene(mesh).meshes[0].normals, scene.meshes[0].normals)
+    mesh.paint_uniform_color((188 / 255, 0, 0))  # half of 1 in sRGB
+    image = fathom.render(mesh, **SMALL, aov="albedo,depth", ground="none")
+    assert np.allclose(np.median(seen(image), axis=0), (0.503, 0, 0), atol=0.02)
+
+
 def test_trimesh(tmp_path, tetrahedron, program):
     trimesh = pytest.importorskip("trimesh")
     mesh = trimesh.Trimesh(*tetrahedron, process=False)

@@ -21,6 +21,8 @@ def to_scene(x: Any, up_axis: str | None = None, **how: Any) -> Scene:
         raise TypeError("scalars, cmap and clim are options for data sets of PyVista")
     if "trimesh" in bases:
         return trimesh.to_scene(x, up_axis or "y", **how)
+    if "open3d" in bases and hasattr(x, "to_legacy"):  # a mesh of tensors
+        x = x.to_legacy()
     if hasattr(x, "triangles") and hasattr(x, "vertices"):
         return meshes.open3d_to_scene(x, up_axis or "y", **how)
     if isinstance(x, (tuple, list)) and len(x) == 2:

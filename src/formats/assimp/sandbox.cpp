@@ -27,7 +27,8 @@ constexpr std::uint32_t architecture = AUDIT_ARCH_X86_64;
 constexpr std::uint32_t architecture = AUDIT_ARCH_AARCH64;
 #endif
 
-/// System calls that affect anything outside the process. Some legacy calls exist only on x86-64.
+/// System calls that affect anything outside the process. Some legacy calls exist only on x86-64. The kernel's headers
+/// define __NR_openat2, for which glibc before 2.32 has no SYS_ name.
 constexpr int refused_calls[] = {
 #ifdef __x86_64__
     SYS_creat,          SYS_unlink,       SYS_rename,       SYS_mkdir,
@@ -44,7 +45,7 @@ constexpr int refused_calls[] = {
     SYS_execveat,       SYS_clone3,       SYS_ptrace,       SYS_process_vm_writev,
     SYS_kill,           SYS_socket,       SYS_socketpair,   SYS_bpf,
     SYS_setns,          SYS_unshare,      SYS_keyctl,       SYS_add_key,
-    SYS_io_uring_setup, SYS_openat2,      SYS_memfd_create, SYS_renameat,
+    SYS_io_uring_setup, __NR_openat2,     SYS_memfd_create, SYS_renameat,
     SYS_clone};
 
 sock_filter load(std::size_t offset)
