@@ -40,7 +40,7 @@ copy_licenses() {
     for package in libcli11-dev nlohmann-json3-dev libstb-dev libxxhash-dev; do
         cp "$system/usr/share/doc/$package/copyright" "$folder/$package"
     done
-    # What the standard library of older systems lacks is linked statically.
+    # Functions that the standard library of older systems lacks are linked statically.
     if [ -n "$system" ]; then cp "$system/usr/share/doc/gcc-12-base/copyright" "$folder/libstdc++-12"; fi
     if [ -f "$basis/LICENSE" ]; then
         cp "$basis/LICENSE" "$folder/basis-universal"

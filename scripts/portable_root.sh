@@ -31,7 +31,7 @@ make_system() {
         debootstrap --variant=minbase bullseye "$root" "$mirror" >/dev/null || fail "debootstrap failed (see $root/debootstrap/debootstrap.log)"
     fi
     cp /etc/resolv.conf "$root/etc/resolv.conf"
-    # Of Debian 12, only single packages and sources are fetched.
+    # Only single packages and sources are fetched from Debian 12.
     printf 'deb %s bullseye main\ndeb %s-security bullseye-security main\ndeb %s bookworm main\ndeb-src %s bookworm main\n' \
         "$mirror" "$mirror" "$mirror" "$mirror" >"$root/etc/apt/sources.list"
     printf 'Package: *\nPin: release n=bookworm\nPin-Priority: 1\n' >"$root/etc/apt/preferences.d/bookworm"

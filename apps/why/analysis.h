@@ -11,7 +11,7 @@
 
 namespace fathom::cli {
 
-/// What `fathom why` has found out about a scene.
+/// Results of `fathom why` for a scene: profile, names, display and remedies.
 struct Analysis {
     std::string file;
     RenderProfile profile;

@@ -22,7 +22,7 @@ class CauseNames {
 public:
     CauseNames(const SceneDescription& scene, std::vector<SceneObject> objects);
 
-    /// Such as "glass 'shade'", "environment", "EDTTL by rays".
+    /// Name of the cause, for example "glass 'shade'", "environment" or "EDTTL by rays".
     std::string name(const ProfileRow& row) const;
     const std::vector<SceneObject>& objects() const { return objects_; }
 

@@ -14,7 +14,7 @@
 /// path and depth.
 namespace fathom {
 
-/// What a row of a profile stands for.
+/// The kind of cause that a row of a profile describes.
 enum class ProfileCause {
     camera,       ///< The camera: light that it sees directly, and its rays.
     light,        ///< A light without a surface; index into SceneDescription::lights.

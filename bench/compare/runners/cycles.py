@@ -50,16 +50,7 @@ def main(folder, _, threads, width, height):
         run(1, 999)
         # Synchronization of the scene is a part of each run; it is measured with one sample, most of which is no rendering.
         starts = [run(1, 998)[1:] for _ in range(3)]
-        wall_start, cpu_start = (min(values) for values in zip(*starts))
-
-        def rendered(spp, seed):
-            pixels, wall, cpu = run(spp, seed)
-            if spp == 1:
-                return pixels, wall, cpu
-            scale = spp / (spp - 1)
-            return pixels, max(wall - wall_start, 1e-3) * scale, max(cpu - cpu_start, 1e-3) * scale
-
-        serve.serve(stream, rendered)
+        serve.serve(stream, serve.without_start(run, starts))
 
 
 main(*sys.argv[1:])

@@ -65,19 +65,7 @@ def main(folder, mode, threads, width, height):
 
     # Building the BVH is a part of each run; it is measured with one sample. A cache of photons counts as rendering.
     run(1, 999)
-    wall_start, cpu_start = 0.0, 0.0
-    if mode != "cache":
-        starts = [run(1, 998)[1:] for _ in range(2)]
-        wall_start, cpu_start = (min(values) for values in zip(*starts))
-
-    def rendered(spp, seed):
-        pixels, wall, cpu = run(spp, seed)
-        if spp == 1:
-            return pixels, wall, cpu
-        scale = 1 if mode == "cache" else spp / (spp - 1)
-        return pixels, max(wall - wall_start, 1e-3) * scale, max(cpu - cpu_start, 1e-3) * scale
-
-    serve.serve(stream, rendered)
+    serve.serve(stream, run if mode == "cache" else serve.without_start(run, [run(1, 998)[1:] for _ in range(2)]))
 
 
 main(*sys.argv[1:])

@@ -42,3 +42,18 @@ def serve(stream, render):
         print(json.dumps({"wall_s": wall, "cpu_s": cpu}), file=stream, flush=True)
     stream.close()
     os._exit(0)  # Some renderers crash when they are unloaded.
+
+
+def without_start(run, starts):
+    """Returns a function like run(spp, seed), which returns pixels, wall and processor time, that leaves the time of
+    starting out. starts: wall and processor times of renders with one sample, which are mostly starting."""
+    wall_start, cpu_start = (min(values) for values in zip(*starts))
+
+    def rendered(spp, seed):
+        pixels, wall, cpu = run(spp, seed)
+        if spp == 1:
+            return pixels, wall, cpu
+        scale = spp / (spp - 1)
+        return pixels, max(wall - wall_start, 1e-3) * scale, max(cpu - cpu_start, 1e-3) * scale
+
+    return rendered
