@@ -55,6 +55,10 @@ TEST(LightTrial, AQuickOneFindsLargeGains)
     }
     const SceneDescription room = Room().with_rough_objects().with_lamp().scene;
     EXPECT_EQ(trial_of(room, settings, TrialEffort::quick).light_paths, 0);
+    // What path tracing cannot find is that of a full trial.
+    const SceneDescription spot = Room().with_smooth_objects().with(lamps()[1].second).scene;
+    const double missing = trial_of(spot, settings).missing_light;
+    EXPECT_NEAR(trial_of(spot, settings, TrialEffort::quick).missing_light, missing, 0.3 * missing);
 }
 
 /// The gain that a trial tells is that of images: variance times rays.
