@@ -52,6 +52,23 @@ struct CurvePiece {
     Float ra, rb;  ///< radii at the ends
 };
 
+/// Lanes whose piece a ray's line (of unit direction) may meet: a quick test that never leaves out a piece that is met.
+///
+/// The distance of the line from the axis is compared with the larger radius. Where the ray runs along the axis, the
+/// nearest point is uncertain by the square root of the rounding error, hence the margin that grows with the length.
+inline Mask may_meet_round_piece(const CurvePiece& piece, const Vec3& o, const Vec3& d)
+{
+    const Vec3 whole = piece.b - piece.a, far = o - piece.a;
+    const Float t = dot(d, far), length2 = dot(whole, whole), m = dot(whole, d);
+    const Vec3 q = fma(d, -t, far);  // The line's point nearest to a, relative to it.
+    const Float w = dot(whole, q) / max(fma(-m, m, length2), length2 * Float(1e-7f) + Float(1e-37f));
+    const Float place = select(w > Float(0), min(w, Float(1)), Float(0));
+    const Vec3 from_axis = fma(whole, -place, q);
+    const Vec3 across = fma(d, -dot(d, from_axis), from_axis);
+    const Float reach = max(piece.ra, piece.rb) + Float(0x1p-20f) * (abs(t) + abs(o.x) + abs(o.y) + abs(o.z));
+    return dot(across, across) <= fma(reach, reach, length2 * Float(0x1p-20f)) * Float(1.01f);
+}
+
 /// Intersection of a ray's line (of unit direction) with the lateral surface of a round piece.
 ///
 /// The piece is the volume swept by a ball whose center moves from a to b while its radius changes from ra to rb. A

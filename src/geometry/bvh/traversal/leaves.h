@@ -26,33 +26,41 @@ struct LeafRay {
     Vec3 o, d;
     Float scale, inverse_scale;  ///< ratio of distances here to those of the original ray, and its inverse
     Float time;
+    Float nearest;  ///< distance of the nearest hit so far along the original ray; infinity if there is none
     /// Motion key and fraction as in RayTimes; used if anything moves.
     std::uint32_t key = 0;
     float fraction = 0;
 
-    LeafRay(const PreparedRay& ray, bool placed)
+    /// placed: whether the ray is in the space of an instance.
+    LeafRay(const PreparedRay& ray, bool placed, float nearest_hit)
         : o(ray.vector(PreparedRays::origin_x)),
           d(ray.vector(PreparedRays::direction_x)),
           scale(1.f),
           inverse_scale(1.f),
-          time(ray.number(PreparedRays::time))
+          time(ray.number(PreparedRays::time)),
+          nearest(nearest_hit)
     {
         if (!placed) return;
         scale = length(d);
         inverse_scale = Float(1) / scale;
         d = d * inverse_scale;
     }
+    /// Whether a distance here, of any sign, is not beyond the nearest hit so far.
+    Mask reaches(Float t) const { return t * inverse_scale <= nearest; }
 };
 
-/// Runs an intersection over n primitives. Calls offer(at, m, t, u, v) for lanes that are hit at any distance, where
-/// `at` is the index of the first lane. With any_hit it stops when offer returns true. Returns whether any call did.
+/// Runs an intersection over n primitives: meet(at, present, t, u, v) returns the lanes among `present` that are hit at
+/// any distance, where `at` is the index of the first lane. Other lanes are past the last primitive and hold
+/// unspecified values. Calls offer(at, m, t, u, v) for the hits. With any_hit it stops when offer returns true. Returns
+/// whether any call did.
 template <bool any_hit, class Meet, class Offer>
 bool intersect_all(int n, const LeafRay& ray, const Meet& meet, const Offer& offer)
 {
     bool found = false;
     for (int at = 0; at < n; at += lanes) {
         Float t, u(0.f), v(0.f);
-        const Mask m = meet(at, t, u, v) & first_lanes(std::size_t(n - at));
+        const Mask present = first_lanes(std::size_t(n - at));
+        const Mask m = meet(at, present, t, u, v) & present;
         found |= any(m) && offer(at, m, t * ray.inverse_scale, u, v);
         if (any_hit && found) break;
     }
@@ -73,7 +81,7 @@ auto record_reader(const float* first, const BvhLeaf& leaf, int at)
 template <bool any_hit, class Offer>
 bool intersect_spheres(const GeometryTables& tables, const BvhLeaf& leaf, const LeafRay& ray, const Offer& offer)
 {
-    const auto meet = [&](int at, Float& t, Float&, Float&) {
+    const auto meet = [&](int at, Mask, Float& t, Float&, Float&) {
         const auto number = record_reader<SphereRecord>(&tables.spheres[0].center.x, leaf, at);
         const Vec3 center = fma({number(3), number(4), number(5)}, ray.time, {number(0), number(1), number(2)});
         return intersect_sphere(center, number(6), ray.o, ray.d, Float(infinity), t);
@@ -85,7 +93,7 @@ bool intersect_spheres(const GeometryTables& tables, const BvhLeaf& leaf, const 
 template <bool any_hit, class Offer>
 bool intersect_disks(const GeometryTables& tables, const BvhLeaf& leaf, const LeafRay& ray, const Offer& offer)
 {
-    const auto meet = [&](int at, Float& t, Float&, Float&) {
+    const auto meet = [&](int at, Mask, Float& t, Float&, Float&) {
         const auto number = record_reader<DiskRecord>(&tables.disks[0].center.x, leaf, at);
         return intersect_disk({number(0), number(1), number(2)}, {number(3), number(4), number(5)}, number(6), ray.o,
                               ray.d, Float(infinity), t);
@@ -97,7 +105,7 @@ bool intersect_disks(const GeometryTables& tables, const BvhLeaf& leaf, const Le
 template <bool any_hit, class Offer>
 bool intersect_points(const BvhLeaf& leaf, const LeafRay& ray, const Offer& offer)
 {
-    const auto meet = [&](int at, Float& t, Float&, Float&) {
+    const auto meet = [&](int at, Mask, Float& t, Float&, Float&) {
         return intersect_sphere({array_from(leaf, 0, at), array_from(leaf, 1, at), array_from(leaf, 2, at)},
                                 array_from(leaf, 3, at), ray.o, ray.d, Float(infinity), t);
     };
@@ -144,10 +152,13 @@ struct PieceHits {
 [[gnu::noinline]] inline PieceHits intersect_solid_pieces(const GeometryTables& tables, UInt segment, Float number,
                                                           const CurvePiece& piece, const LeafRay& ray, Mask solid)
 {
-    const KeyTime time{UInt(ray.key), Float(ray.fraction)};
-    const SolidPieces solids(tables, segment, number, time, solid);
+    const RoundSpan span = span_of_round_piece(piece, ray.o, ray.d);
+    // Neighbors are read only where the ray may hit the piece, because that takes ten times as long as the test.
+    const Mask candidates = solid & span.met & (span.t_out > Float(0)) & ray.reaches(span.t_in);
+    if (none(candidates)) return {Mask(false), Float(0), Float(0)};
+    const SolidPieces solids(tables, segment, number, piece, ray.key, ray.fraction, candidates);
     PieceHits hits;
-    hits.m = solids.meet(piece, ray.o, ray.d, hits.t, hits.w);
+    hits.m = candidates & solids.meet(span, ray.o, ray.d, hits.t, hits.w);
     return hits;
 }
 
@@ -155,16 +166,18 @@ struct PieceHits {
 [[gnu::noinline]] inline Mask hidden_in_fiber(const GeometryTables& tables, UInt segment, Float number,
                                               const CurvePiece& piece, const LeafRay& ray, Float t, Mask near)
 {
-    const Mask begins_within = span_of_round_piece(piece, ray.o, ray.d).t_in <= Float(0);
-    const KeyTime time{UInt(ray.key), Float(ray.fraction)};
-    return near & (begins_within | SolidPieces(tables, segment, number, time, near).hide(fma(ray.d, t, ray.o)));
+    const Mask begins_within = near & (span_of_round_piece(piece, ray.o, ray.d).t_in <= Float(0));
+    const Mask others = near & !begins_within;
+    if (none(others)) return begins_within;
+    const SolidPieces neighbors(tables, segment, number, piece, ray.key, ray.fraction, others);
+    return begins_within | (others & neighbors.hide(fma(ray.d, t, ray.o)));
 }
 
 /// moving: whether anything in the scene moves.
 template <bool any_hit, bool ribbons, bool moving, class Offer>
 bool intersect_curves(const GeometryTables& tables, const BvhLeaf& leaf, const LeafRay& ray, const Offer& offer)
 {
-    const auto meet = [&](int at, Float& t, Float& u, Float&) {
+    const auto meet = [&](int at, Mask present, Float& t, Float& u, Float&) {
         const CurveLeafReader<ribbons, moving> pieces(leaf, ray, at);
         const CurvePiece piece{pieces.vector(0), pieces.vector(4), abs(pieces.number(3)),
                                ribbons ? pieces.number(7) : abs(pieces.number(7))};
@@ -174,8 +187,9 @@ bool intersect_curves(const GeometryTables& tables, const BvhLeaf& leaf, const L
             m = intersect_ribbon_piece({piece, pieces.vector(8), pieces.vector(11)}, ray.o, ray.d, Float(infinity), t,
                                        w);
         else {
+            if (none(present & may_meet_round_piece(piece, ray.o, ray.d))) return Mask(false);
             m = intersect_round_piece(piece, ray.o, ray.d, Float(infinity), t, w);
-            const Mask solid = pieces.solid();
+            const Mask solid = present & pieces.solid();
             if (any(solid)) {
                 const Float number = pieces.begin() / pieces.share();
                 const PieceHits hits = intersect_solid_pieces(tables, ids_from(leaf, at), number, piece, ray, solid);
@@ -186,7 +200,8 @@ bool intersect_curves(const GeometryTables& tables, const BvhLeaf& leaf, const L
             // Only rays that start inside a fiber may hit the internal ends of its pieces, close to their origin unless
             // they run along the fiber.
             constexpr float far_in_radii = 32;
-            const Mask near = m & pieces.fiber() & (t < max(piece.ra, piece.rb) * Float(far_in_radii));
+            const Mask near =
+                m & present & pieces.fiber() & ray.reaches(t) & (t < max(piece.ra, piece.rb) * Float(far_in_radii));
             if (any(near)) {
                 const Float number = pieces.begin() / pieces.share();
                 m = m & !hidden_in_fiber(tables, ids_from(leaf, at), number, piece, ray, t, near);

@@ -493,7 +493,7 @@ private:
                 return take(ray, m, t, u, v, [&](int lane) { return first + factor * leaf.ids()[at + lane]; });
             };
         };
-        LeafRay r(prepared(ray), states_[ray].instance != no_index);
+        LeafRay r(prepared(ray), states_[ray].instance != no_index, memory_.hits.t[ray]);
         if constexpr (moving) r.key = memory_.times.key[ray], r.fraction = memory_.times.fraction[ray];
         switch (kind) {
             case BvhReference::spheres:
