@@ -39,6 +39,13 @@ struct BsdfSample {
                                            ///< lights are not sampled for it
 };
 
+/// A direction that reflects, sampled with the density e.pdf; its weight is 0 where the density is 0.
+inline BsdfSample reflection(Vec3 wi, const BsdfEval& e)
+{
+    const Float inverse = select(e.pdf > Float(0), Float(1) / max(e.pdf, Float(1e-30f)), Float(0));
+    return {wi, e.f_cos * inverse, e.pdf, Mask(false), Float(1)};
+}
+
 /// Base of a closure for materials of kind k, with the properties of most closures. P: its parameters, a type derived
 /// from MaterialPoint. P::Record is the record that MaterialRecord keeps (closures/records.h), and P::read takes a
 /// ParameterReader of it.

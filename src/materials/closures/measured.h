@@ -47,8 +47,7 @@ public:
         const Vec3 wi = from_measured(path, normalize(fma(m, cosine * Float(2), -path.wo)));
         const BsdfEval e = evaluate(path, {place.u, place.v, theta.sin, cosine}, even.u, even.v,
                                     place.density * even.density, wi.z > Float(0));
-        const Float inverse = select(e.pdf > Float(0), Float(1) / max(e.pdf, Float(1e-30f)), Float(0));
-        return {wi, e.f_cos * inverse, e.pdf, Mask(false), Float(1)};
+        return reflection(wi, e);
     }
 
 private:

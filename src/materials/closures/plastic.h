@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 #include "materials/closures/closure.h"
+#include "materials/closures/facets_or_body.h"
 #include "materials/closures/plastic_tables.h"
 #include "materials/lobes/channel_weights.h"
-#include "materials/lobes/lobe_choice.h"
 #include "materials/microfacet/microfacet.h"
 
 namespace fathom {
@@ -95,15 +95,7 @@ public:
     }
     BsdfSample sample(Vec3 wo, Sample2 u, Float) const
     {
-        LobeChoice choice(u.x);
-        const Float p = boundary_probability(passes(wo.z));
-        const Mask specular = choice.take(p);
-        choice.take_rest(Float(1) - p);
-        u.x = choice.stretched();
-        const Vec3 wi = select(specular, reflect(wo, ggx_.sample(wo, u)), sample_cosine_hemisphere(u));
-        const BsdfEval e = eval(wo, wi);
-        return {wi, e.f_cos * select(e.pdf > Float(0), Float(1) / max(e.pdf, Float(1e-30f)), Float(0)), e.pdf,
-                Mask(false), Float(1)};
+        return reflection_of_facets_or_body(*this, ggx_, boundary_probability(passes(wo.z)), wo, u);
     }
 
 private:

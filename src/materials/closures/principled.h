@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 #include "materials/closures/closure.h"
+#include "materials/closures/facets_or_body.h"
 #include "materials/lobes/channel_weights.h"
-#include "materials/lobes/lobe_choice.h"
 #include "materials/microfacet/microfacet.h"
 
 namespace fathom {
@@ -56,15 +56,7 @@ public:
     }
     BsdfSample sample(Vec3 wo, Sample2 u, Float) const
     {
-        LobeChoice choice(u.x);
-        const Float p = specular_probability(wo);
-        const Mask specular = choice.take(p);
-        choice.take_rest(Float(1) - p);
-        u.x = choice.stretched();
-        const Vec3 wi = select(specular, reflect(wo, ggx_.sample(wo, u)), sample_cosine_hemisphere(u));
-        const BsdfEval e = eval(wo, wi);
-        return {wi, e.f_cos * select(e.pdf > Float(0), Float(1) / max(e.pdf, Float(1e-30f)), Float(0)), e.pdf,
-                Mask(false), Float(1)};
+        return reflection_of_facets_or_body(*this, ggx_, specular_probability(wo), wo, u);
     }
 
 private:
