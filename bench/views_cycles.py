@@ -120,6 +120,9 @@ def main():
                 print(f"| {model.stem} | not rendered: {error} |", flush=True)
                 continue
         (own_s, own_noise, own_mean), (s, noise, mean) = results["fathom"], results["cycles"]
+        if own_noise == 0 or noise == 0:
+            print(f"| {model.stem} | not compared: an image without noise; means {own_mean:.4f}, {mean:.4f} |", flush=True)
+            continue
         efficiency = s * noise / (own_s * own_noise)
         logarithms.append(math.log(efficiency))
         print(f"| {model.stem} | {own_s:.2f} s | {s:.2f} s | {s / own_s:.2f} | {noise / own_noise:.2f} | {efficiency:.2f} "

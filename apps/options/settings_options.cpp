@@ -44,10 +44,9 @@ void add_path_options(Command& command, SettingsOptions& o)
                        "light tracing: paths from the lights find caustics, the light that glass and mirrors throw "
                        "onto other surfaces, which paths from the camera meet rarely or never. auto: in `fathom "
                        "render` on if a trial shows less noise for the time, which is made from 8 samples per pixel "
-                       "and 2 million in all (a quick one below 33 million), from --time 2s, and with --samples, "
-                       "--part, --mergeable or --checkpoint; in shorter renders on if glass refracts light of lights "
-                       "without a size; in "
-                       "`fathom view` off",
+                       "and 2 million in all (a quick one below 33 million; with smooth glass from 1 million), from "
+                       "--time 2s (1s), and with --samples, --part, --mergeable or --checkpoint; in shorter renders "
+                       "on if glass refracts light of lights without a size; in `fathom view` off",
                        "auto"},
                       [&](const std::string& text) {
                           const int choice = parse_choice(text, {"off", "on", "auto"});

@@ -133,10 +133,10 @@ RenderPlan make_plan(const RenderOptions& o, const LoadedScene& loaded, std::opt
     return plan;
 }
 
-std::optional<TrialEffort> light_trial_effort(const RenderPlan& plan)
+std::optional<TrialEffort> light_trial_effort(const RenderPlan& plan, bool has_smooth_glass)
 {
     if (is_long(plan, 1 << 25, 8, 30)) return TrialEffort::full;
-    if (is_long(plan, 1 << 21, 8, 2)) return TrialEffort::quick;
+    if (is_long(plan, has_smooth_glass ? 1 << 20 : 1 << 21, 8, has_smooth_glass ? 1 : 2)) return TrialEffort::quick;
     return {};
 }
 

@@ -67,6 +67,8 @@ struct LitScene {
     /// tracing alone cannot find it: "7 % of the light of lights without size falls on glass".
     /// RenderSettings::light_paths renders that light. Empty if it is less than 1 %.
     std::string refracted_light;
+    /// Whether anything is made of smooth glass, which throws caustics if a small light shines on it.
+    bool has_smooth_glass = false;
 };
 
 /// Compiles a scene so that it is visible. It is meant for models, whose files often contain no light, or light that

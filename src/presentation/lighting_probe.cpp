@@ -193,6 +193,7 @@ LitScene compile_lit(EditableScene& edit, LightingMode light, double aspect, War
                      const std::optional<Ground>& ground)
 {
     LitScene result = compile_with_light(edit, light, aspect, warnings, ground);
+    result.has_smooth_glass = has_smooth_glass(result.scene);
     result.refracted_light = describe_refracted_lamps(result.scene, edit.description());
     return result;
 }

@@ -119,6 +119,15 @@ bool refracts_smoothly(const ShadingTables& tables, const MaterialRecord& m)
     }
 }
 
+/// By material, whether it refracts smoothly.
+std::vector<bool> smooth_glass_of(const Scene& scene)
+{
+    const SceneTables& tables = *scene.data().tables;
+    std::vector<bool> is_glass;
+    for (const MaterialRecord& m : tables.materials) is_glass.push_back(refracts_smoothly(tables, m));
+    return is_glass;
+}
+
 /// Numbers of hits: on refracting surfaces, and on all surfaces.
 struct Seen {
     std::size_t glass = 0, all = 0;
@@ -153,15 +162,20 @@ Seen look_from(const Scene& scene, const LampView& view, const std::vector<bool>
 
 }  // namespace
 
+bool has_smooth_glass(const Scene& scene)
+{
+    const std::vector<bool> is_glass = smooth_glass_of(scene);
+    return std::find(is_glass.begin(), is_glass.end(), true) != is_glass.end();
+}
+
 RefractedLamps find_refracted_lamps(const Scene& scene, const std::function<Bounds()>& bounds)
 {
     constexpr std::size_t max_lamps = 16;
     constexpr double nearly_all = 0.98;
-    const SceneTables& tables = *scene.data().tables;
-    std::vector<bool> is_glass;
-    for (const MaterialRecord& m : tables.materials) is_glass.push_back(refracts_smoothly(tables, m));
     RefractedLamps result;
-    if (std::find(is_glass.begin(), is_glass.end(), true) == is_glass.end()) return result;
+    if (!has_smooth_glass(scene)) return result;
+    const std::vector<bool> is_glass = smooth_glass_of(scene);
+    const SceneTables& tables = *scene.data().tables;
     LampViews views(tables, bounds);
     double shares = 0;
     std::size_t lit = 0;

@@ -25,6 +25,9 @@ struct RefractedLamps {
 /// bounds  bounds of the scene in world space, needed for directional lights only
 RefractedLamps find_refracted_lamps(const Scene& scene, const std::function<Bounds()>& bounds);
 
+/// LitScene::has_smooth_glass of a scene.
+bool has_smooth_glass(const Scene& scene);
+
 /// LitScene::refracted_light of a scene.
 std::string describe_refracted_lamps(const Scene& scene, const SceneDescription& description);
 

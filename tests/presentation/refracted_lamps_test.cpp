@@ -62,6 +62,19 @@ TEST_F(RefractedLampsTest, OfEveryKindWithinGlass)
     }
 }
 
+TEST_F(RefractedLampsTest, SmoothGlassIsNoticedInAnyLight)
+{
+    const auto has_glass = [&] {
+        Warnings warnings;
+        return compile_lit(d, "", LightingMode::file, 1, warnings).has_smooth_glass;
+    };
+    EXPECT_FALSE(has_glass());
+    Material& ball = add_ball({0, 0, 0}, 1);
+    EXPECT_TRUE(has_glass());
+    ball.roughness.value = 0.2f;
+    EXPECT_FALSE(has_glass());
+}
+
 /// Only directions in the spot light's cone count, so glass behind it hides nothing.
 TEST_F(RefractedLampsTest, SpotsShineIntoTheirCone)
 {

@@ -383,6 +383,21 @@ class Picture(CommandLine):
         self.ok(*common, "--samples", "6:8", "--caustics", "off", "-o", "c.exr", program=PROGRAM)
         self.refused(1, "merge", "all.exr", "c.exr", "-o", "x.exr", words=["c.exr", "light_paths is 0x0p+0"], program=PROGRAM)
 
+    def test_caustics_of_small_lamps(self):
+        """A million samples are worth a trial in scenes with smooth glass, and fewer or others are not."""
+        lamp = {"material": "light", "rectangle": {"corner": [-0.05, 3, -0.05], "edge_u": [0.1, 0, 0], "edge_v": [0, 0, 0.1]}}
+        floor = {"material": "floor", "rectangle": {"corner": [-2, 0, 2], "edge_u": [4, 0, 0], "edge_v": [0, 0, -4]}}
+        scene = {"fathom": 1, "camera": {"position": [0, 1, 4], "look_at": [0, 0.5, 0]},
+                 "materials": {"floor": {"kind": "diffuse"}, "light": {"kind": "none", "emission": [900, 900, 900]}}}
+        for name, glass in [("smooth", {"kind": "glass"}), ("rough", {"kind": "glass", "roughness": 0.4})]:
+            ball = {"material": "ball", "sphere": {"center": [0, 0.8, 0], "radius": 0.5}}
+            Path(self.path(name + ".json")).write_text(json.dumps(
+                {**scene, "materials": {**scene["materials"], "ball": glass}, "scene": [floor, lamp, ball]}))
+        for name, samples, is_on in [("smooth", 1366, True), ("smooth", 1365, False), ("rough", 1366, False)]:
+            with self.subTest(name=name, samples=samples):
+                result = self.ok("render", name + ".json", "--size", "32x24", "--spp", str(samples), "-o", "x.exr", program=PROGRAM)
+                self.assertEqual("caustics: on, because a trial" in result.stderr, is_on, result.stderr)
+
     def test_only_sample(self):
         result = self.ok("render", "box.json", "--only-sample", "12,34,56")
         self.assertEqual(result.stdout, "pixel 12,34 sample 56: 12 34 56\n")
