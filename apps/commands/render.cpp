@@ -57,9 +57,8 @@ LitScene build(const RenderOptions& o, LoadedScene& loaded, RenderPlan& plan, st
     if (!o.dataset.layers.empty()) plan.objects = scene_objects(edit->description());
     if (o.series.frames.size() < 2 || o.series.turntable > 0 || o.dataset.has_views()) edit.reset();
     apply_light(lit, o.images, plan.settings, plan.write.display, reporter);
-    decide_on_caustics(lit,
-                       {o.scene.file.string(), o.settings.caustics, light_trial_effort(plan, lit.has_smooth_glass)},
-                       plan.settings, warnings, reporter);
+    decide_on_caustics(lit, {o.scene.file.string(), o.settings.caustics, light_trial_effort(plan, lit)}, plan.settings,
+                       warnings, reporter);
     return lit;
 }
 

@@ -54,10 +54,9 @@ void ModelViews::compile(Reporter& reporter)
     edit_.emplace(make_edit(loaded_, options_.scene));
     lit_ = compile_with_light(*edit_, loaded_, options_.scene, plan_->settings, warnings_);
     apply_light(lit_, options_.images, plan_->settings, plan_->write.display, reporter);
-    decide_on_caustics(
-        lit_,
-        {options_.scene.file.string(), options_.settings.caustics, light_trial_effort(*plan_, lit_.has_smooth_glass)},
-        plan_->settings, warnings_, reporter);
+    decide_on_caustics(lit_,
+                       {options_.scene.file.string(), options_.settings.caustics, light_trial_effort(*plan_, lit_)},
+                       plan_->settings, warnings_, reporter);
     for (Camera& camera : cameras_) {
         // Motion is compiled for the shutter of the scene's camera.
         camera.shutter_open = lit_.scene.camera().shutter_open;

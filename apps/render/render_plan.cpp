@@ -133,10 +133,12 @@ RenderPlan make_plan(const RenderOptions& o, const LoadedScene& loaded, std::opt
     return plan;
 }
 
-std::optional<TrialEffort> light_trial_effort(const RenderPlan& plan, bool has_smooth_glass)
+std::optional<TrialEffort> light_trial_effort(const RenderPlan& plan, const LitScene& lit)
 {
     if (is_long(plan, 1 << 25, 8, 30)) return TrialEffort::full;
-    if (is_long(plan, has_smooth_glass ? 1 << 20 : 1 << 21, 8, has_smooth_glass ? 1 : 2)) return TrialEffort::quick;
+    // Smooth glass promises more gain, so that renders of half the length are worth a trial.
+    const double length = lit.has_smooth_glass ? 0.5 : 1;
+    if (is_long(plan, length * (1 << 21), 8, length * 2)) return TrialEffort::quick;
     return {};
 }
 

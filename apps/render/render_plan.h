@@ -40,9 +40,8 @@ struct RenderPlan {
 RenderPlan make_plan(const RenderOptions& options, const LoadedScene& loaded, std::optional<Denoiser> denoiser,
                      Ranks* ranks, Reporter& reporter);
 
-/// The trial of light tracing that costs little of the render's time; none in short renders. has_smooth_glass: of the
-/// scene, in which more can be gained, so that shorter renders are worth a trial.
-std::optional<TrialEffort> light_trial_effort(const RenderPlan& plan, bool has_smooth_glass);
+/// The trial of light tracing that costs little of the render's time; none in short renders.
+std::optional<TrialEffort> light_trial_effort(const RenderPlan& plan, const LitScene& lit);
 
 /// Throws Error if the film and its images need more memory than is free.
 void check_film_memory(const RenderPlan& plan);

@@ -95,10 +95,10 @@ void Run::prepare(Scene& scene, const std::vector<std::string>& scene_words, boo
     display.exposure_ev = prepared_->lit.exposure_ev;
     if (!take) scene.set_prepared(prepared_);
     cli::apply_light(prepared_->lit, options_.images, plan_->settings, plan_->write.display, reporter_);
-    cli::decide_on_caustics(prepared_->lit,
-                            {options_.scene.file.string(), options_.settings.caustics,
-                             cli::light_trial_effort(*plan_, prepared_->lit.has_smooth_glass)},
-                            plan_->settings, warnings, reporter_);
+    cli::decide_on_caustics(
+        prepared_->lit,
+        {options_.scene.file.string(), options_.settings.caustics, cli::light_trial_effort(*plan_, prepared_->lit)},
+        plan_->settings, warnings, reporter_);
 }
 
 void Run::compile_first(PreparedScene& prepared)

@@ -119,15 +119,6 @@ bool refracts_smoothly(const ShadingTables& tables, const MaterialRecord& m)
     }
 }
 
-/// By material, whether it refracts smoothly.
-std::vector<bool> smooth_glass_of(const Scene& scene)
-{
-    const SceneTables& tables = *scene.data().tables;
-    std::vector<bool> is_glass;
-    for (const MaterialRecord& m : tables.materials) is_glass.push_back(refracts_smoothly(tables, m));
-    return is_glass;
-}
-
 /// Numbers of hits: on refracting surfaces, and on all surfaces.
 struct Seen {
     std::size_t glass = 0, all = 0;
@@ -164,8 +155,9 @@ Seen look_from(const Scene& scene, const LampView& view, const std::vector<bool>
 
 bool has_smooth_glass(const Scene& scene)
 {
-    const std::vector<bool> is_glass = smooth_glass_of(scene);
-    return std::find(is_glass.begin(), is_glass.end(), true) != is_glass.end();
+    const SceneTables& tables = *scene.data().tables;
+    return std::any_of(tables.materials.begin(), tables.materials.end(),
+                       [&](const MaterialRecord& m) { return refracts_smoothly(tables, m); });
 }
 
 RefractedLamps find_refracted_lamps(const Scene& scene, const std::function<Bounds()>& bounds)
@@ -174,8 +166,9 @@ RefractedLamps find_refracted_lamps(const Scene& scene, const std::function<Boun
     constexpr double nearly_all = 0.98;
     RefractedLamps result;
     if (!has_smooth_glass(scene)) return result;
-    const std::vector<bool> is_glass = smooth_glass_of(scene);
     const SceneTables& tables = *scene.data().tables;
+    std::vector<bool> is_glass;
+    for (const MaterialRecord& m : tables.materials) is_glass.push_back(refracts_smoothly(tables, m));
     LampViews views(tables, bounds);
     double shares = 0;
     std::size_t lit = 0;

@@ -153,7 +153,7 @@ struct PieceHits {
                                                           const CurvePiece& piece, const LeafRay& ray, Mask solid)
 {
     const RoundSpan span = span_of_round_piece(piece, ray.o, ray.d);
-    // Neighbors are read only where the ray may hit the piece, because that takes ten times as long as the test.
+    // Neighbors are read only where the ray may hit the piece, because reading them takes longer than the test.
     const Mask candidates = solid & span.met & (span.t_out > Float(0)) & ray.reaches(span.t_in);
     if (none(candidates)) return {Mask(false), Float(0), Float(0)};
     const SolidPieces solids(tables, segment, number, piece, ray.key, ray.fraction, candidates);
