@@ -10,6 +10,7 @@
 #include "geometry/displacement/displaced_shapes.h"
 #include "kernel/tables.h"
 #include "lights/compile/light_pictures.h"
+#include "lights/compile/textured_emission.h"
 
 namespace fathom {
 
@@ -44,6 +45,7 @@ struct Compiler {
     Warnings& warnings;
     DisplacedShapes& displaced;
     LightImages& light_images;
+    TexturedEmissions& textured_emissions;
 
     /// The mesh of a shape, displaced if its material says so; nullptr for other kinds of shapes.
     const Mesh* mesh_of(const Shape& shape) const

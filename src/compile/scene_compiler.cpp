@@ -111,6 +111,7 @@ std::shared_ptr<Scene::Data> SceneCompiler::compile(Warnings& warnings)
     tables_->origin = space_.origin;
     tables_->render_scale = space_.scale;
     set_shutter(*tables_, data->camera);
+    textured_emissions_.clear();
     Compiler c = compiler(warnings);
     compile_materials(c);
     occurrences_ = flatten_scene(c);

@@ -35,7 +35,10 @@ public:
     bool refresh_space();
 
 private:
-    Compiler compiler(Warnings& warnings) { return {scene_, space_, *tables_, warnings, displaced_, light_images_}; }
+    Compiler compiler(Warnings& warnings)
+    {
+        return {scene_, space_, *tables_, warnings, displaced_, light_images_, textured_emissions_};
+    }
     bool displacement_unchanged(const SceneChanges& changes, bool other_times) const;
     bool static_shapes_unmoved(const FlattenedScene& now) const;
     void check_moved(const Compiler& c, const FlattenedScene& now, const std::vector<int>& meshes) const;
@@ -52,6 +55,7 @@ private:
     FlattenedScene occurrences_;
     DisplacedShapes displaced_;
     LightImages light_images_;
+    TexturedEmissions textured_emissions_;
     InstancedGeometry contents_;
     std::vector<std::size_t> triangles_;  ///< number of triangles of instanced shapes, by shape
     Fingerprints fingerprints_;

@@ -32,7 +32,9 @@ Word* other_sum(Word* pixel, int place)
 /// Index of the first sum of each layer among the other sums; -1 if the layer is not wanted. See FilmLayout.
 struct AovPlaces {
     int alpha = -1, albedo = -1, normal = -1, depth = -1, position = -1, hits = -1, ids = -1;
-    bool any() const { return alpha >= 0 || albedo >= 0 || normal >= 0 || depth >= 0 || position >= 0 || ids >= 0; }
+    bool any() const { return alpha >= 0 || need_surfaces(); }
+    /// Whether any layer depends on more than whether there is a hit.
+    bool need_surfaces() const { return albedo >= 0 || normal >= 0 || depth >= 0 || position >= 0 || ids >= 0; }
 };
 
 /// Sums over the samples of one job, pixel by pixel: radiance, its square, and the layers of first hits.

@@ -35,6 +35,7 @@ public:
           lights_(scene, settings.light_selection, false),
           emitter_(scene, lights_, settings.light_targets),
           settings_(settings),
+          job_(job),
           lights_are_sampled_(settings.light_sampling && !tables_.lights.empty()),
           columns_(path_columns(scene.features, settings, job.records != nullptr || job.profile != nullptr)),
           camera_media_(scene.has(Feature::media_stacks) ? media_at(scene, camera.position, camera.shutter_open)
@@ -57,6 +58,7 @@ public:
     /// Traces all paths of the job.
     void run()
     {
+        add_background_of_unseen_pixels();
         std::size_t active = 0;
         for (;;) {
             const std::size_t fresh = active;  // the new camera rays follow the other paths
@@ -90,6 +92,16 @@ private:
         for (std::size_t i = 0; i < added; i += lanes) generate(active + i, next_ + std::uint32_t(i));
         next_ += std::uint32_t(added);
         return active + added;
+    }
+
+    /// Adds the samples of pixels without paths.
+    void add_background_of_unseen_pixels()
+    {
+        const KernelBackground& background = settings_.background;
+        const Rgb& c = background.radiance;
+        if (!background.given || (c[0] == 0 && c[1] == 0 && c[2] == 0)) return;
+        for (std::uint32_t pixel : camera_paths_.unseen_pixels())
+            for (std::uint32_t i = 0; i < job_.samples; ++i) sums_.add(pixel, job_.first_sample + i, c[0], c[1], c[2]);
     }
 
     /// Generates `lanes` paths of the job from number `first` on.
@@ -159,7 +171,8 @@ private:
             const UInt instance = scene_.is_flat ? UInt(no_index) : hits_.instance.load(i);
             surfaces_.fetch_indices(primitive, hit);
             const UInt info = scene_.shape_info_of(primitive, instance, hit);
-            append_indices(hit & ((info & UInt(LaneScene::emits)) != UInt(0u)), i, emitting_, emitting);
+            const Mask emits = hit & ((info & UInt(LaneScene::emits)) != UInt(0u));
+            append_indices(emits & !scene_.is_black(primitive, instance, emits), i, emitting_, emitting);
             if (scene_.has(Feature::environment) || settings_.background.given)
                 append_indices(valid & !hit, i, missing_, missing);
             UInt bucket = info & UInt(LaneScene::bucket_mask);
@@ -405,6 +418,7 @@ private:
     const LightSampler lights_;
     const LightEmitter emitter_;
     const KernelSettings& settings_;
+    const KernelJob& job_;
     const bool lights_are_sampled_;
     const PathColumns columns_;
     const MediumStack camera_media_;

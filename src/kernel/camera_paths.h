@@ -26,13 +26,17 @@ enum BouncePair : std::uint32_t {
     pair_connection_roulette
 };
 
-/// Generates the camera rays of a job. Paths are numbered pixel by pixel, then sample by sample.
+/// Generates the camera rays of a job. Paths are numbered pixel by pixel, then sample by sample. Pixels that see only
+/// the background have none, unless the job records paths.
 class CameraPaths {
 public:
     CameraPaths(const LaneScene& scene, const CameraRecord& camera, const KernelSettings& settings,
                 const KernelJob& job)
         : scene_(scene), camera_(camera), settings_(settings), job_(job), total_(job.pixel_count * job.samples)
     {
+        if (!settings.seen_pixels || job.records || job.profile) return;
+        for (std::uint32_t i = 0; i < job.pixel_count; ++i) (is_seen(job.pixels[i]) ? seen_ : unseen_).push_back(i);
+        if (!unseen_.empty()) total_ = std::uint32_t(seen_.size()) * job.samples;
     }
 
     /// The start of a path: pixel, random numbers and camera ray.
@@ -44,6 +48,8 @@ public:
 
     /// Number of paths of the job.
     std::uint32_t total() const { return total_; }
+    /// Positions in job.pixels of the pixels without paths.
+    const std::vector<std::uint32_t>& unseen_pixels() const { return unseen_; }
 
     /// Generates `lanes` paths from number `first` on; lanes past the last path repeat path `first`.
     [[gnu::always_inline]] Path make(std::uint32_t first) const
@@ -54,6 +60,7 @@ public:
         // Rounding cannot change this quotient because a job has at most 2^20 samples.
         path.pixel = to_uint((to_float(number) + Float(0.5f)) * Float(1.0f / float(job_.samples)));
         const UInt sample = number - path.pixel * UInt(job_.samples) + UInt(job_.first_sample);
+        if (!unseen_.empty()) path.pixel = gather(seen_.data(), path.pixel);
         const UInt xy = gather(job_.pixels, path.pixel);
         const UInt y = xy >> 16, x = xy & UInt(0xffffu);
         path.key = {hash(x + hash(y + UInt(hash(settings_.seed)))), reverse_bits(sample)};
@@ -81,11 +88,18 @@ public:
     }
 
 private:
+    bool is_seen(std::uint32_t xy) const
+    {
+        const std::size_t bit = std::size_t(xy >> 16) * std::size_t(settings_.width) + (xy & 0xffff);
+        return settings_.seen_pixels[bit / 32] >> (bit % 32) & 1;
+    }
+
     const LaneScene& scene_;
     const CameraRecord& camera_;
     const KernelSettings& settings_;
     const KernelJob& job_;
     std::uint32_t total_;
+    std::vector<std::uint32_t> seen_, unseen_;  ///< positions in job.pixels; unused if unseen_ is empty
 };
 
 }  // namespace FATHOM_LANES

@@ -67,6 +67,8 @@ struct KernelSettings {
     /// weights what it finds against what light tracing finds.
     std::uint32_t light_paths = 0;
     const LightTargets* light_targets = nullptr;  ///< aims light paths if not null
+    /// Bit y * width + x: whether a camera ray of the pixel may meet something (pixels_with_surfaces); null: unknown.
+    const std::uint32_t* seen_pixels = nullptr;
 
     /// Whether light sampling is skipped at some vertices by chance: see PathPool::nee_probability.
     bool skips_light_samples() const { return guiding && !guiding->nee_factors.empty(); }
@@ -151,6 +153,10 @@ struct KernelCounters {
 /// Builds the acceleration structure and the derived tables of a scene. level: quality of the BVH.
 std::unique_ptr<KernelScene> make_kernel_scene(std::shared_ptr<const SceneTables> tables,
                                                BvhQuality level = BvhQuality::standard);
+/// Finds the pixels whose camera rays may meet something, as KernelSettings::seen_pixels. Others see the background, so
+/// that their rays need not be traced. Empty if that cannot be known or would save little.
+std::vector<std::uint32_t> pixels_with_surfaces(const KernelScene& scene, const CameraRecord& camera,
+                                                const KernelSettings& settings);
 /// Renders a job and adds its samples to `sums`, indexed by the position of the pixel in job.pixels.
 void render_job(const KernelScene& scene, const CameraRecord& camera, const KernelSettings& settings,
                 const KernelJob& job, TileSums& sums, KernelCounters& counters);
@@ -182,6 +188,7 @@ const char* kernel_name();
 struct KernelFunctions {
     const char* version;  ///< version of Fathom
     decltype(fathom::make_kernel_scene)* make_kernel_scene;
+    decltype(fathom::pixels_with_surfaces)* pixels_with_surfaces;
     decltype(fathom::render_job)* render_job;
     decltype(fathom::trace_light_paths)* trace_light_paths;
     decltype(fathom::trace_pixel_centers)* trace_pixel_centers;

@@ -222,6 +222,8 @@ public:
             kernel_.guiding = guiding_of(job, kernel_, cancel);
         });
         const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+        seen_pixels_ = pixels_with_surfaces(*scene_.kernel, camera_, kernel_);
+        if (!seen_pixels_.empty()) kernel_.seen_pixels = seen_pixels_.data();
         if (kernel_.measure && (job.data().guiding || job.data().light_targets))
             learning_s_ = seconds * arena_.threads();
     }
@@ -348,6 +350,7 @@ private:
     const CameraRecord& camera_;
     Crop crop_;
     std::vector<Probe> probes_;
+    std::vector<std::uint32_t> seen_pixels_;  ///< KernelSettings::seen_pixels
     ThreadArena arena_;
     Workers workers_;
     double learning_s_ = 0;  ///< learning time, summed over threads

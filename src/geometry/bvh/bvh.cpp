@@ -56,6 +56,28 @@ void Bvh::set_alpha_test(AlphaTest test, const void* context)
                        });
 }
 
+bool Bvh::visit_boxes(const VisitBox& visit) const
+{
+    if (data_->empty || data_->moving || !BvhReference::is_node(data_->root)) return false;
+    std::vector<std::uint32_t> nodes{data_->root};
+    while (!nodes.empty()) {
+        const BvhNode& node = data_->nodes[BvhReference::node(nodes.back())];
+        nodes.pop_back();
+        for (std::size_t i = 0; i < bvh_width; ++i) {
+            float low[3], high[3];
+            for (std::size_t k = 0; k < 3; ++k) low[k] = node.bounds[k][i], high[k] = node.bounds[k + 3][i];
+            const bool is_empty = !(low[0] <= high[0]), is_divisible = BvhReference::is_node(node.child[i]);
+            if (!is_empty && visit(low, high, is_divisible) && is_divisible) nodes.push_back(node.child[i]);
+        }
+    }
+    return true;
+}
+
+float Bvh::radius() const
+{
+    return data_->radius;
+}
+
 const BvhStatistics& Bvh::statistics() const
 {
     return data_->statistics;

@@ -7,6 +7,7 @@
 /// callers.
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <vector>
 
@@ -85,6 +86,12 @@ public:
     /// something moves or may be edited.
     void expect(const RayArrays& shadow_rays);
 
+    /// Calls visit(low, high, is_divisible) for boxes that together contain everything, from the root's children down.
+    /// The boxes inside a divisible one follow if it returns true. Returns false without a call if something moves or
+    /// the BVH has no boxes.
+    using VisitBox = std::function<bool(const float (&low)[3], const float (&high)[3], bool is_divisible)>;
+    bool visit_boxes(const VisitBox& visit) const;
+
     /// Sets the test for hits on shapes with ShapeRecord::alpha_tested; null: all are opaque.
     void set_alpha_test(AlphaTest test, const void* context);
 
@@ -95,6 +102,8 @@ public:
     /// Sets blocked[i] to 1 if ray i hits anything, else to 0. Other arguments are as in closest().
     void occluded(const RayArrays& rays, std::uint32_t* blocked, bool coherent, BvhVisits* visits = nullptr) const;
 
+    /// Largest absolute coordinate in the world.
+    float radius() const;
     std::size_t memory_bytes() const { return statistics().bytes; }
     const BvhStatistics& statistics() const;
 

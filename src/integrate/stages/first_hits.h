@@ -22,6 +22,7 @@ public:
                                Mask hits)
     {
         if (none(hits)) return;
+        if (!places_.need_surfaces() && !scene_.has(Feature::open_media)) return cover(pixel, hits);
         Surface s = surfaces_.read(hit, hits);
         if (scene_.has(Feature::open_media)) {
             const Mask inside = dot(hit.d, s.ng) >= Float(0);
@@ -29,7 +30,7 @@ public:
             hits &= !classify_interface(scene_, materials_, s.material, skips_interface, hits).open;
             if (none(hits)) return;
         }
-        const Spectrum albedo = albedo_of(s, hits);
+        const Spectrum albedo = places_.albedo >= 0 ? albedo_of(s, hits) : Spectrum(Float(0));
         const Vec3 n = flip_sign(s.ns, -dot(hit.d, s.ng));
         const Vec3 forward(Float(camera_.forward[0]), Float(camera_.forward[1]), Float(camera_.forward[2]));
         const Float depth = camera_.spherical ? hit.t : dot(s.p - hit.o, forward);
@@ -51,13 +52,18 @@ public:
     /// Marks pixels as covered whose path was scattered by a medium before any surface.
     void add_scattered(UInt pixels, Mask m)
     {
-        if (places_.alpha < 0 || none(m)) return;
+        if (any(m)) cover(pixels, m);
+    }
+
+private:
+    /// Adds hits to the coverage of their pixels.
+    void cover(UInt pixels, Mask m)
+    {
+        if (places_.alpha < 0) return;
         std::uint32_t pixel[lanes];
         store(pixel, pixels);
         for_each_active(m, [&](int lane) { sums_.add_first_hit(pixel[lane], places_.alpha, 1); });
     }
-
-private:
     /// Base color of the surface, blended with the subsurface color by its share.
     Spectrum albedo_of(Surface& s, Mask hits) const
     {

@@ -80,6 +80,12 @@ std::unique_ptr<KernelScene> make_kernel_scene(std::shared_ptr<const SceneTables
     return kernel().functions->make_kernel_scene(std::move(tables), level);
 }
 
+std::vector<std::uint32_t> pixels_with_surfaces(const KernelScene& scene, const CameraRecord& camera,
+                                                const KernelSettings& settings)
+{
+    return kernel().functions->pixels_with_surfaces(scene, camera, settings);
+}
+
 void render_job(const KernelScene& scene, const CameraRecord& camera, const KernelSettings& settings,
                 const KernelJob& job, TileSums& sums, KernelCounters& counters)
 {

@@ -110,16 +110,26 @@ private:
             if (material.features.has(MaterialFeature::two_sided_emission)) light.flags |= LightRecord::two_sided;
             if (material.features.has(MaterialFeature::invisible_light)) light.flags |= LightRecord::not_hit_by_rays;
             std::copy(material.emission.begin(), material.emission.end(), light.radiance);
-            // Power of a light. Textured emission counts as its factor times the area; curves emit from their outside
-            // only.
+            // Power of a light. Curves emit from their outside only.
             const bool is_curve = light.is<CurveLightRecord>();
             const bool moves = path || shape.moving_vertices > 0;
             const double area = is_curve ? add_curve_extent(p, shape, to_render, path)
                                 : moves  ? set_motion(light, {p, shape.moving_vertices, flipped, to_render, path})
                                          : area_of(light);
             const int sides = light.flags & LightRecord::two_sided && !is_curve ? 2 : 1;
-            add(light, luminance(light.radiance) * area * std::numbers::pi * sides);
+            add(light,
+                luminance(light.radiance) * area * std::numbers::pi * sides * texture_factor(material, shape, p));
         }
+    }
+
+    /// Factor of the power of a primitive by its emission texture: its mean luminance on triangles, 0 on black ones,
+    /// and 1 where it is unknown.
+    double texture_factor(const MaterialRecord& material, const ShapeRecord& shape, std::uint32_t primitive)
+    {
+        if (material.emission_texture == no_index || primitive >= t_.first_quad()) return 1;
+        const TextureRecord& texture = t_.textures[material.emission_texture];
+        const auto known = c_.textured_emissions.try_emplace(material.emission_texture, t_, texture).first;
+        return known->second.over(texture, t_, shape, primitive).value_or(1);
     }
 
     /// End points of a curve segment's pieces at one of its motion keys.
@@ -452,14 +462,19 @@ private:
         powers_.push_back(power);
     }
 
-    /// Builds the selection probabilities by power, with a minimum of a hundredth of the mean.
+    /// Builds the selection probabilities by power, with a minimum of a hundredth of the mean. Black lights are not
+    /// selected, unless all are black.
     void make_distribution()
     {
         double total = 0;
         for (double p : powers_) total += p;
         const double floor = total > 0 ? 0.01 * total / double(powers_.size()) : 1;
         double sum = 0;
-        for (double& p : powers_) sum += p = std::max(p, floor);
+        t_.black_lights.clear();
+        if (total > 0 && std::find(powers_.begin(), powers_.end(), 0) != powers_.end())
+            for (double p : powers_) t_.black_lights.push_back(p > 0 ? 0 : 1);
+        for (double& p : powers_)
+            if (p > 0 || !(total > 0)) sum += p = std::max(p, floor);
         t_.light_cdf.assign(1, 0);
         double running = 0;
         for (std::size_t i = 0; i < powers_.size(); ++i) {

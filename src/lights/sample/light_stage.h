@@ -58,8 +58,10 @@ public:
     Spectrum environment(const KernelBackground& background, bool lights_are_sampled, Vec3 d, Mask from_camera,
                          Mask specular, Float pdf, Mask m) const
     {
-        Spectrum radiance = environment_radiance(tables_, d, m);
-        if (background.given) radiance = select(from_camera, Spectrum(background.radiance), radiance);
+        const Mask behind = background.given ? m & from_camera : Mask(false);
+        if (none(m & !behind)) return Spectrum(background.radiance);
+        const Spectrum radiance_there = environment_radiance(tables_, d, m & !behind);
+        Spectrum radiance = select(behind, Spectrum(background.radiance), radiance_there);
         if (lights_are_sampled && tables_.environment.light != no_index && any(m & !specular)) {
             const Float pmf(selector_.pmf(tables_.environment.light));
             radiance = radiance * select(specular, Float(1), mis_weight(pdf, pmf * environment_pdf(tables_, d)));

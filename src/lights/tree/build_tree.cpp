@@ -119,14 +119,17 @@ public:
                 const std::vector<LightExtent>& extents)
         : t_(t)
     {
-        items_.resize(t.positioned_lights);
+        items_.reserve(t.positioned_lights);
         double all = 0;
+        auto extent = extents.begin();
         for (std::uint32_t i = 0; i < t.positioned_lights; ++i) {
-            items_[i] = {bounds_of(t.lights[i], powers[i], {open, close}), i};
-            all += items_[i].intensity;
+            while (extent != extents.end() && extent->light < i) ++extent;
+            if (!(powers[i] > 0)) continue;
+            Item& item = items_.emplace_back(Item{bounds_of(t.lights[i], powers[i], {open, close}), i});
+            if (extent != extents.end() && extent->light == i) set_motion_bounds(item, *extent);
+            all += item.intensity;
         }
         for (Item& item : items_) item.intensity /= all;
-        for (const LightExtent& extent : extents) set_motion_bounds(items_[extent.light], extent);
     }
 
     void run()

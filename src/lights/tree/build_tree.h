@@ -16,11 +16,11 @@ struct LightExtent {
     double cos_turned = -1;  ///< cosine of the largest angle from the axis; -1: the light may emit in any direction
 };
 
-/// Builds the light tree over the first t.positioned_lights lights, and sets each light's tree_place.
+/// Builds the light tree over those of the first t.positioned_lights lights that emit, and sets their tree_place.
 ///
-/// powers       powers of the lights, positive
+/// powers       powers of the lights; those of power 0 are left out
 /// open, close  times between which spheres move
-/// extents      bounds of lights that move in other ways, or whose records don't contain their position
+/// extents      bounds of lights that move in other ways, or whose records don't contain their position; by light
 void build_light_tree(LightTables& t, const std::vector<double>& powers, double open, double close,
                       const std::vector<LightExtent>& extents = {});
 

@@ -16,7 +16,7 @@ public:
           tree_(tables),
           count_(std::uint32_t(tables.lights.size())),
           is_uniform_(how == LightSelection::uniform),
-          has_tree_(how == LightSelection::tree && tables.positioned_lights > 0),
+          has_tree_(how == LightSelection::tree && !tables.light_tree.empty()),
           uniform_pmf_(count_ > 0 ? 1 / float(count_) : 0),
           tree_share_(has_tree_ ? tables.light_cdf[tables.positioned_lights] : 0)
     {
