@@ -184,7 +184,8 @@ bool on_hull(const std::vector<Vec3d>& points, Vec3d on_plane, Vec3d normal, dou
 bool FlatScene::fits(const GeometryTables& tables)
 {
     return !tables.editable && tables.instances.empty() && tables.vertex_times.empty() && tables.curves.empty() &&
-           tables.points.empty() && tables.primitive_count() <= max_primitives;
+           tables.points.empty() && tables.primitive_count() <= max_primitives &&
+           tables.triangle_count() <= max_triangles;
 }
 
 void FlatScene::build(const GeometryTables& tables, const ShadowTargets& targets)

@@ -23,6 +23,8 @@ struct ShadowTargets {
 /// A flat list of primitives, merged into boxes where possible.
 struct FlatScene {
     static constexpr std::uint32_t max_primitives = 96;
+    /// Most triangles, which are tested one by one: the BVH is faster from about ten on.
+    static constexpr std::uint32_t max_triangles = 10;
 
     /// Up to six axis-aligned rectangles, tested by one slab test. A single rectangle is a box without thickness.
     static constexpr std::uint32_t codes_per_box = 8, no_face = 7;

@@ -263,6 +263,15 @@ TEST(Flat, Fits)
     tables.quads.push_back({{}, {1, 0, 0}, {0, 1, 0}});
     EXPECT_FALSE(FlatScene::fits(tables));
     tables.quads.resize(2);
+    for (std::uint32_t i = 0; i < FlatScene::max_triangles; ++i) add_triangle(tables, {}, {1, 0, 0}, {0, 1, 0});
+    finish(tables);
+    EXPECT_TRUE(FlatScene::fits(tables));
+    add_triangle(tables, {}, {1, 0, 0}, {0, 1, 0});
+    finish(tables);
+    EXPECT_FALSE(FlatScene::fits(tables));
+    tables.triangles.clear();
+    finish(tables);
+    EXPECT_TRUE(FlatScene::fits(tables));
     tables.points.push_back({0, 0, 0, 1});
     EXPECT_FALSE(FlatScene::fits(tables));
 }
