@@ -6,8 +6,8 @@ and noise.
 usage: views_cycles.py PROGRAM BPY_PYTHON [--views N] [--size N] [--spp N] MODEL...
 
 BPY_PYTHON is the Python of an environment with the package bpy (measured with 4.2.0). Both programs render the views of equal
-cameras under bench's sky, without adaptive sampling, clamping and denoising, on two threads. The noise is the relMSE of one
-image: half of that between two seeds. Needs numpy and OpenEXR.
+cameras under bench's sky with a box filter, without adaptive sampling, clamping and denoising, on two threads. The noise is
+the relMSE of one image: half of that between two seeds. Needs numpy and OpenEXR.
 """
 import argparse
 import json
@@ -49,6 +49,7 @@ def render_with_cycles(model, cameras, folder, spp, seed, size):
     cycles.use_denoising = cycles.use_adaptive_sampling = False
     cycles.max_bounces = cycles.diffuse_bounces = cycles.glossy_bounces = cycles.transmission_bounces = 64
     cycles.sample_clamp_indirect = 0
+    cycles.pixel_filter_type = "BOX"
     cycles.caustics_reflective = cycles.caustics_refractive = True
     render.threads_mode, render.threads = "FIXED", 2
     render.use_persistent_data = render.film_transparent = True
@@ -89,7 +90,7 @@ def compare(options, model, folder):
         for seed in (1, 2):
             out = folder / f"{name}{seed}"
             common = [options.program, "render", model, "--cameras", cameras, "--size", size, "--spp", options.spp,
-                      "--seed", seed, "--threads", 2, *light]
+                      "--seed", seed, "--threads", 2, "--filter", "box", *light]
             if name == "fathom":
                 seconds.append(processor_seconds([*common, "--dataset", "nerfstudio", "-o", out]))
                 processor_seconds([*common, "--guiding", "off", "--caustics", "off", "-o", f"{out}.##.exr"])

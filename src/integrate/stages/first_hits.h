@@ -30,7 +30,9 @@ public:
             hits &= !classify_interface(scene_, materials_, s.material, skips_interface, hits).open;
             if (none(hits)) return;
         }
-        const Spectrum albedo = places_.albedo >= 0 ? albedo_of(s, hits) : Spectrum(Float(0));
+        // Reading the material bends the normal, too.
+        const bool needs_material = places_.albedo >= 0 || places_.normal >= 0;
+        const Spectrum albedo = needs_material ? albedo_of(s, hits) : Spectrum(Float(0));
         const Vec3 n = flip_sign(s.ns, -dot(hit.d, s.ng));
         const Vec3 forward(Float(camera_.forward[0]), Float(camera_.forward[1]), Float(camera_.forward[2]));
         const Float depth = camera_.spherical ? hit.t : dot(s.p - hit.o, forward);
