@@ -76,7 +76,7 @@ struct Wrapped {
     Wrapped(double low, double high, int size, std::uint32_t mode)
     {
         // A filter reads half a texel farther; the rest is for rounding.
-        const double slack = 1 + 1e-5 * std::max(std::abs(low), std::abs(high));
+        const double slack = 1;
         const double first = std::floor(low - slack), last = std::floor(high + slack);
         if (mode == std::uint32_t(Wrap::clamp)) {
             intervals[0] = {int(std::clamp(first, 0., size - 1.)), int(std::clamp(last, 0., size - 1.))};
@@ -122,7 +122,7 @@ void TexturedEmission::add_row_of_blocks(const ShadingTables& tables, const Text
     for (int y = row * block_; y < std::min((row + 1) * block_, height_); ++y)
         for (int x = 0; x < width_; ++x) {
             const double value = texels.luminance(std::size_t(y) * std::size_t(width_) + std::size_t(x));
-            sums[x / block_ + 1] += std::uint64_t(std::ceil(std::min(value, brightest) * unit));
+            sums[x / block_ + 1] += std::uint64_t(std::ceil(std::min(brightest, value) * unit));
         }
     for (int column = 0; column < columns_; ++column) sums[column + 1] += sums[column];
 }
@@ -155,10 +155,11 @@ std::optional<double> TexturedEmission::over(const TextureRecord& texture, const
         const Vec2f& uv = table[geometry.triangles[3 * std::size_t(triangle) + corner]];
         for (std::size_t i = 0; i < 2; ++i) {
             const float* row = &texture.uv_map[3 * i];
-            const double x =
-                (double(uv.x) * double(row[0]) + double(uv.y) * double(row[1]) + double(row[2])) * sizes[i];
-            // Far from the origin floats cannot tell texels apart.
-            if (!(std::abs(x) < 1e6)) return {};
+            const double u = double(uv.x) * double(row[0]), v = double(uv.y) * double(row[1]), shift = double(row[2]);
+            const double x = (u + v + shift) * sizes[i];
+            const double terms = (std::abs(u) + std::abs(v) + std::abs(shift)) * sizes[i];
+            // Shading computes with floats, whose errors stay below half a texel up to here.
+            if (!(terms < 1e6)) return {};
             low[i] = std::min(low[i], x), high[i] = std::max(high[i], x);
         }
     }
