@@ -40,6 +40,7 @@ public:
     /// Covers the pixels of a box; returns whether its parts should be covered instead.
     bool cover(const float (&low)[3], const float (&high)[3], bool is_divisible)
     {
+        if (is_full_) return false;
         const std::optional<PixelRectangle> seen = pixels_of(low, high);
         if (!seen && is_divisible) return true;
         if (!seen) is_full_ = true;
