@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <limits>
 #include <optional>
+#include <vector>
 
 #include "fathom/job.h"
 #include "geometry/bvh/layout/data.h"
