@@ -189,7 +189,7 @@ test_container() {
     mkdir -m 777 "$work/container/work"
     cp "$work/model.glb" "$work/container/work"
     check "the container's command of docs/install.md works" container_command
-    check "the container's program wrote an image as an unprivileged user" test "$(stat -c %u "$work/container/work/model.png")" = 10001
+    check "the container's program wrote an image as an unprivileged user" test "$(cd "$work/container/work" && stat -c %u model.png)" = 10001
 }
 container_command() {
     local words

@@ -172,7 +172,7 @@ private:
             surfaces_.fetch_indices(primitive, hit);
             const UInt info = scene_.shape_info_of(primitive, instance, hit);
             const Mask emits = hit & ((info & UInt(LaneScene::emits)) != UInt(0u));
-            append_indices(emits & !scene_.is_black(primitive, instance, emits), i, emitting_, emitting);
+            append_indices(emits & !is_black(primitive, instance, emits), i, emitting_, emitting);
             if (scene_.has(Feature::environment) || settings_.background.given)
                 append_indices(valid & !hit, i, missing_, missing);
             UInt bucket = info & UInt(LaneScene::bucket_mask);
@@ -296,6 +296,15 @@ private:
         for (int c = 0; c < channels; ++c) brought.c[c] = p.throughput.c[c].gather(path, m) * light.c[c];
         const UInt surfaces = p.state.gather(path, m) & UInt(PathPool::bounce_mask);
         return fathom::indirect_scale(p, path, surfaces, brought, m);
+    }
+
+    /// Lanes of m whose primitive, on a shape that emits, has a black emission texture.
+    Mask is_black(UInt primitive, UInt instance, Mask m) const
+    {
+        if (tables_.black_lights.empty() || none(m)) return Mask(false);
+        const UInt light = surfaces_.light_of(scene_.shape_of(primitive, instance, m), primitive, m);
+        m &= light != UInt(no_index);
+        return m & (gather(tables_.black_lights.data(), light, m) != UInt(0u));
     }
 
     /// Adds the emission of the surfaces that the listed paths hit, MIS-weighted against light sampling.

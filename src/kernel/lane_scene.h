@@ -58,11 +58,10 @@ struct LaneScene final : KernelScene {
     bool has(Feature feature) const { return features.has(feature); }
     /// shape_info of the shape that was hit; 0 outside the mask.
     UInt shape_info_of(UInt primitive, UInt instance, Mask m) const;
-    /// Lanes of m whose primitive, on a shape that emits, is black.
-    Mask is_black(UInt primitive, UInt instance, Mask m) const;
+    /// The shape that was hit, in the lanes of m.
+    UInt shape_of(UInt primitive, UInt instance, Mask m) const;
 
 private:
-    UInt shape_of(UInt primitive, UInt instance, Mask m) const;
     bool has_alpha() const;
     void read_tables();
     void read_shapes();
@@ -80,16 +79,6 @@ inline UInt LaneScene::shape_info_of(UInt primitive, UInt instance, Mask m) cons
 {
     if (is_flat) return lookup_or_gather(primitive_info.data(), int(tables.shape_of_primitive.size()), primitive, m);
     return gather(shape_info.data(), shape_of(primitive, instance, m), m);
-}
-
-inline Mask LaneScene::is_black(UInt primitive, UInt instance, Mask m) const
-{
-    if (tables.black_lights.empty() || none(m)) return Mask(false);
-    const UInt shape = shape_of(primitive, instance, m);
-    const UInt base = gather(tables.shapes, &ShapeRecord::light_base, shape, m);
-    m &= base != UInt(no_index);
-    const UInt light = base + (primitive - gather(tables.shapes, &ShapeRecord::first_primitive, shape, m));
-    return m & (gather(tables.black_lights.data(), light, m) != UInt(0u));
 }
 
 }  // namespace FATHOM_LANES

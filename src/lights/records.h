@@ -133,7 +133,8 @@ struct LightTables {
     LargeVector<LightNode> light_tree;    ///< light tree over the first `positioned_lights` lights; node 0 is the root
     std::uint32_t positioned_lights = 0;  ///< number of lights with a position, which come first: all but directional
                                           ///< lights and the environment
-    std::vector<std::uint32_t> black_lights;  ///< for each light 1 if its emission texture is black; empty if none is
+    std::vector<std::uint32_t>
+        black_lights;  ///< for each light 1 if its emission texture is black; empty if none is, or all
     EnvironmentRecord environment;
     /// Index in SceneDescription::lights of each light that is not a primitive; no_index for the environment and its
     /// sun. These lights are the last ones.

@@ -25,6 +25,7 @@ public:
     {
         t_.lights.clear();
         t_.light_cdf.clear();
+        t_.black_lights.clear();
         t_.light_pictures.clear();
         t_.light_places.clear();
         t_.described_lights.clear();
@@ -117,8 +118,8 @@ private:
                                 : moves  ? set_motion(light, {p, shape.moving_vertices, flipped, to_render, path})
                                          : area_of(light);
             const int sides = light.flags & LightRecord::two_sided && !is_curve ? 2 : 1;
-            add(light,
-                luminance(light.radiance) * area * std::numbers::pi * sides * texture_factor(material, shape, p));
+            const double factor = texture_factor(material, shape, p);
+            add(light, luminance(light.radiance) * area * std::numbers::pi * sides * factor, factor == 0);
         }
     }
 
@@ -456,9 +457,10 @@ private:
         add_light({&sun, render_from_node});
     }
 
-    void add(const LightRecord& light, double power)
+    void add(const LightRecord& light, double power, bool is_black = false)
     {
         t_.lights.push_back(light);
+        t_.black_lights.push_back(is_black);
         powers_.push_back(power);
     }
 
@@ -470,11 +472,10 @@ private:
         for (double p : powers_) total += p;
         const double floor = total > 0 ? 0.01 * total / double(powers_.size()) : 1;
         double sum = 0;
-        t_.black_lights.clear();
-        if (total > 0 && std::find(powers_.begin(), powers_.end(), 0) != powers_.end())
-            for (double p : powers_) t_.black_lights.push_back(p > 0 ? 0 : 1);
-        for (double& p : powers_)
-            if (p > 0 || !(total > 0)) sum += p = std::max(p, floor);
+        const auto black = std::count(t_.black_lights.begin(), t_.black_lights.end(), 1u);
+        if (black == 0 || std::size_t(black) == powers_.size()) t_.black_lights.clear();
+        for (std::size_t i = 0; i < powers_.size(); ++i)
+            if (t_.black_lights.empty() || !t_.black_lights[i]) sum += powers_[i] = std::max(powers_[i], floor);
         t_.light_cdf.assign(1, 0);
         double running = 0;
         for (std::size_t i = 0; i < powers_.size(); ++i) {

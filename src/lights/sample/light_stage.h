@@ -60,8 +60,8 @@ public:
     {
         const Mask behind = background.given ? m & from_camera : Mask(false);
         if (none(m & !behind)) return Spectrum(background.radiance);
-        const Spectrum radiance_there = environment_radiance(tables_, d, m & !behind);
-        Spectrum radiance = select(behind, Spectrum(background.radiance), radiance_there);
+        Spectrum radiance =
+            select(behind, Spectrum(background.radiance), environment_radiance(tables_, d, m & !behind));
         if (lights_are_sampled && tables_.environment.light != no_index && any(m & !specular)) {
             const Float pmf(selector_.pmf(tables_.environment.light));
             radiance = radiance * select(specular, Float(1), mis_weight(pdf, pmf * environment_pdf(tables_, d)));

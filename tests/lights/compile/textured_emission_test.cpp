@@ -249,5 +249,21 @@ TEST(LightTable, BlackTrianglesAreNotSelected)
     for (const LightRecord& light : black.data().tables->lights) EXPECT_FLOAT_EQ(light.pmf, 0.25f);
 }
 
+/// A light without area is selected: it may have one between the keys of its motion.
+TEST(LightTable, LightsWithoutAreaAreNotBlack)
+{
+    SceneDescription d = half_lit(true);
+    Mesh line;
+    line.positions = {{0, 0, -4}, {1, 0, -4}, {2, 0, -4}};
+    line.indices = {0, 1, 2};
+    d.meshes.push_back(line);
+    d.nodes[0].shapes.push_back({MeshInstance{1}, add_lamp(d, 3), ""});
+    const Scene scene = compiled(d);
+    const SceneTables& t = *scene.data().tables;
+    ASSERT_EQ(t.lights.size(), 5u);
+    EXPECT_EQ(t.black_lights, (std::vector<std::uint32_t>{1, 1, 0, 0, 0}));
+    EXPECT_GT(t.lights[4].pmf, 0);
+}
+
 }  // namespace
 }  // namespace fathom
