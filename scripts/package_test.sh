@@ -28,6 +28,8 @@ if [ $# -eq 0 ]; then
     scripts/wheel.sh --output "$packages" /usr/bin/python3
 fi
 packages=$(realpath "$packages")
+# The folder that a tarball is unpacked to.
+unpacked=fathom-$(sed -n 's/^project(fathom VERSION \([0-9.]*\).*/\1/p' CMakeLists.txt)
 failures=0
 
 # check TEXT COMMAND...: prints whether the command succeeds.
@@ -94,8 +96,8 @@ test_tarball() {
     check "the tarball's commands of docs/install.md work" inside tarball < <(commands_of Tarball)
     check "the tarball's program wrote an image" is_png "$work/tarball/try/model.png"
     cp "$work/tarball/try/model.png" "$work/model-12.png"
-    check "the unpacked folder can be moved" inside tarball <<<'mv fathom-0.1.0 "/opt/other name"; rm model.png
-        "/opt/other name/bin/fathom" render model.glb --size 99x77 --spp 4; test -s model.png'
+    check "the unpacked folder can be moved" inside tarball <<<"mv $unpacked '/opt/other name'; rm model.png
+        '/opt/other name/bin/fathom' render model.glb --size 99x77 --spp 4; test -s model.png"
     cp "$work/tarball/try/model.png" "$work/small-12.png"
     check "no library is missing" inside tarball <<<'! ldd "/opt/other name/bin/fathom" "/opt/other name"/lib/libfathom.so.0 | grep "not found"'
     check "the fastest kernel is used" inside tarball <<<'"/opt/other name/bin/fathom" version | grep "^kernel: .*the best that this machine supports"'
@@ -104,14 +106,14 @@ test_tarball() {
     if [ -n "${FATHOM_PORTABLE:-}" ]; then
         test_old_system "$tarball"
     else
-        check "glibc 2.35 is enough (needed: $(needed_version "$work/fathom-0.1.0" GLIBC))" test "$(needed_version "$work/fathom-0.1.0" GLIBC)" = 2.35
+        check "glibc 2.35 is enough (needed: $(needed_version "$work/$unpacked" GLIBC))" test "$(needed_version "$work/$unpacked" GLIBC)" = 2.35
     fi
 }
 
 # Checks the versions that a tarball for older systems needs, and runs it in Debian 11.
 test_old_system() {
     local glibc libstdcxx
-    glibc=$(needed_version "$work/fathom-0.1.0" GLIBC) libstdcxx=$(needed_version "$work/fathom-0.1.0" GLIBCXX)
+    glibc=$(needed_version "$work/$unpacked" GLIBC) libstdcxx=$(needed_version "$work/$unpacked" GLIBCXX)
     check "glibc 2.28 is enough (needed: $glibc)" is_version_at_most "$glibc" 2.28
     check "the libstdc++ of GCC 8 is enough (needed: $libstdcxx)" is_version_at_most "$libstdcxx" 3.4.25
     new_root old bullseye
@@ -137,8 +139,8 @@ test_formats_in_old_system() {
     fi
     for file in "${files[@]}"; do
         cp "$work/$file" "$work/old/try"
-        check "Debian 11 renders $file" inside old <<<"fathom-0.1.0/bin/fathom render $file --size 99x77 --spp 4 -o $file.png"
-        check "this machine renders $file" "$work/fathom-0.1.0/bin/fathom" render "$work/$file" --size 99x77 --spp 4 -o "$work/$file.png"
+        check "Debian 11 renders $file" inside old <<<"$unpacked/bin/fathom render $file --size 99x77 --spp 4 -o $file.png"
+        check "this machine renders $file" "$work/$unpacked/bin/fathom" render "$work/$file" --size 99x77 --spp 4 -o "$work/$file.png"
         check "the images of $file are equal" cmp "$work/old/try/$file.png" "$work/$file.png"
     done
 }
@@ -162,8 +164,8 @@ test_thumbnailer() {
 
 # Compiles an example against both packages, unpacked in a folder.
 test_dev() {
-    for package in "$packages"/*.deb; do dpkg-deb -x "$package" "$work/unpacked"; done
-    cmake -S examples/first_image -B "$work/example" -DCMAKE_PREFIX_PATH="$work/unpacked/usr" && cmake --build "$work/example" &&
+    for package in "$packages"/*.deb; do dpkg-deb -x "$package" "$work/dev"; done
+    cmake -S examples/first_image -B "$work/example" -DCMAKE_PREFIX_PATH="$work/dev/usr" && cmake --build "$work/example" &&
         "$work/example/first_image" "$work/first.png"
 }
 
@@ -200,6 +202,7 @@ container_command() {
 # Installs the wheel in a virtual environment of a system without a compiler, as docs/install.md does, and renders.
 test_wheel() {
     local wheel
+    # Debian 12 has Python 3.11.
     wheel=$(find "$packages" -name 'fathom_render-*-cp311-*.whl')
     echo "        $(basename "$wheel"): $(stat -c %s "$wheel") bytes"
     new_root wheel
@@ -215,7 +218,7 @@ test_wheel() {
 }
 
 tar xzf "$packages"/fathom-*-linux-x86_64.tar.gz -C "$work"
-program=$work/fathom-0.1.0/bin/fathom
+program=$work/$unpacked/bin/fathom
 # A model with a camera and a light of its own, whose image of default size and samples takes half a minute of one core.
 cat >"$work/model.json" <<'JSON'
 {"fathom": 1, "materials": {"red": {"kind": "diffuse", "color": [0.8, 0.1, 0.1]}},
@@ -238,7 +241,7 @@ with open(sys.argv[1], "wb") as file:
         a = i // (n - 1) * n + i % (n - 1)
         file.write(struct.pack("<B3iB3i", 3, a, a + n, a + 1, 3, a + 1, a + n, a + n + 1))
 PYTHON
-rm -r "$work/fathom-0.1.0"
+rm -r "$work/$unpacked"
 test_tarball
 test_debs
 test_container
