@@ -26,10 +26,19 @@ inside() {
         DEBIAN_FRONTEND=noninteractive "$@"
 }
 
+# debootstrap deletes what is in proc, or makes a link to this machine's, so it runs before.
+mount_proc() {
+    if [ -L "$root/proc" ]; then rm "$root/proc"; fi
+    mkdir -p "$root/proc"
+    mountpoint -q "$root/proc" || mount -t proc proc "$root/proc"
+    trap 'umount "$root/proc"' EXIT
+}
+
 make_system() {
     if [ ! -x "$root/usr/bin/apt-get" ]; then
         debootstrap --variant=minbase bullseye "$root" "$mirror" >/dev/null || fail "debootstrap failed (see $root/debootstrap/debootstrap.log)"
     fi
+    mount_proc
     cp /etc/resolv.conf "$root/etc/resolv.conf"
     # Only single packages and sources are fetched from Debian 12.
     printf 'deb %s bullseye main\ndeb %s-security bullseye-security main\ndeb %s bookworm main\ndeb-src %s bookworm main\n' \
@@ -109,9 +118,6 @@ add_library() {
         rm -r "$folder"' bash "$package" "$source" "$jobs" "$@"
 }
 
-mkdir -p "$root/proc"
-mountpoint -q "$root/proc" || mount -t proc proc "$root/proc"
-trap 'umount "$root/proc"' EXIT
 make_system
 add_headers
 add_library fathom-tbb onetbb -DTBB_TEST=OFF -DTBB_STRICT=OFF -DTBBMALLOC_BUILD=OFF
