@@ -57,6 +57,21 @@ TEST(LightTracing, LightFromInfinityIsTheSame)
     }
 }
 
+/// A medium around the camera scatters paths before they meet any surface.
+TEST(LightTracing, CameraInFog)
+{
+    Room b;
+    b.with_smooth_objects().with_lamp();
+    Material fog;
+    fog.kind = MaterialKind::glass;
+    fog.ior = 1;
+    fog.interior.attenuation_distance = 2;
+    fog.interior.attenuation_color = {0.5f, 0.5f, 0.5f};
+    fog.interior.scatter = {0.3f, 0.3f, 0.3f};
+    b.add(Box{{-3, -1, -3}, {3, 3, 5}}, b.material(fog));
+    expect_same(b.scene, small_image_settings(18, 18), 512);
+}
+
 TEST(LightTracing, SurfacesOfLampsLightTheSame)
 {
     Material m;

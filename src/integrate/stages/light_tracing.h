@@ -24,11 +24,12 @@
 namespace fathom {
 inline namespace FATHOM_LANES {
 
-/// Weight of path tracing. connection: K, infinite for paths that light tracing cannot find; emission: E; variants: V.
+/// Weight of path tracing. connection: K, infinite for paths that light tracing cannot find; emission: E; variants: V,
+/// any value if K is infinite.
 inline Float path_tracing_weight(Float connection, Float emission, Float variants)
 {
     const Float r = emission / max(connection, Float(1e-30f));
-    return variants / fma(r, r, variants);
+    return select(connection < Float(infinity), variants / fma(r, r, variants), Float(1));
 }
 
 /// The factor V / E^2 in the weight of light tracing, which a light path keeps from its first vertex on.
@@ -52,7 +53,8 @@ inline constexpr float trust_in_direct_light = 8;
 inline Float path_variants(Float nee_pdf, Float scatter_pdf, Mask is_direct, Mask unhittable)
 {
     const Float trust = select(is_direct, Float(trust_in_direct_light), Float(1));
-    const Float r = trust * nee_pdf / max(scatter_pdf, Float(1e-30f));
+    // The limit keeps the square finite.
+    const Float r = min(trust * nee_pdf / max(scatter_pdf, Float(1e-30f)), Float(1e15f));
     return fma(r, r, select(unhittable, Float(0), Float(1)));
 }
 
