@@ -83,7 +83,7 @@ is_version_at_most() { [ "$(printf '%s\n' "$@" | sort -V | head -n 1)" = "$1" ];
 
 # needed_version FOLDER NAMESPACE: the newest version of a library (GLIBC, GLIBCXX) that any file of an unpacked tarball needs.
 needed_version() {
-    find "$1" -type f \( -name fathom -o -name '*.so*' \) -exec objdump -T {} + 2>/dev/null | grep -oE "\<$2_[0-9.]+" | sed 's/.*_//' | sort -Vu | tail -n 1
+    find "$1/bin" "$1/lib" -type f \( -name fathom -o -name '*.so*' \) -exec objdump -T {} + 2>/dev/null | grep -oE "\<$2_[0-9.]+" | sed 's/.*_//' | sort -Vu | tail -n 1
 }
 
 test_tarball() {
