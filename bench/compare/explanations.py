@@ -16,6 +16,8 @@ EXPLANATIONS = [
     {"renderer": "luxcore", "scene": "caustic-*", "counts": False, "text": "path tracing finds no caustic of a lamp without surface: it is missing"},
     {"renderer": "mitsuba", "scene": "caustic-*", "counts": False, "text": "path tracing finds no caustic of a lamp without surface: it is missing"},
     {"renderer": "mitsuba-ptracer", "scene": "caustic-pool-*", "counts": False, "text": "light tracing shows nothing behind water"},
+    {"renderer": "*", "scene": "caustic-pool-*", "counts": False,
+     "text": "Fathom's default shows no caustic of a lamp without surface behind water (fathom-caustics-merged does), and meets that of the square by chance"},
     {"renderer": "mitsuba", "scene": "room-veach-bidir", "counts": True,
      "text": "single bright pixels: its path tracing meets the caustics of the glass egg by chance, and its reference is not converged"},
 ]

@@ -21,10 +21,10 @@ PEERS = {"mitsuba": ("mitsuba", "mitsuba.py", "path"), "mitsuba-ptracer": ("mits
          "luxcore-bidir": ("luxcore", "luxcore.py", "bidir"), "luxcore-hybrid": ("luxcore", "luxcore.py", "hybrid"),
          "luxcore-cache": ("luxcore", "luxcore.py", "cache")}
 PBRT = {"pbrt": "volpath", "pbrt-bdpt": "bdpt", "pbrt-sppm": "sppm"}
-# Fathom with its defaults, and with light paths in any case: what its own choice of light paths costs.
-FATHOM = {"fathom": [], "fathom-caustics-on": ["--caustics", "on"]}
+# Fathom with its defaults, with light paths in any case, which shows what its own choice costs, and with photons.
+FATHOM = {"fathom": [], "fathom-caustics-on": ["--caustics", "on"], "fathom-caustics-merged": ["--caustics", "merged"]}
 NAMES = [*FATHOM, *PEERS, *PBRT]
-CAUSTIC_ONLY = {"fathom-caustics-on", "mitsuba-ptracer", "luxcore-bidir", "luxcore-hybrid", "luxcore-cache", "pbrt-bdpt", "pbrt-sppm"}
+CAUSTIC_ONLY = {"fathom-caustics-on", "fathom-caustics-merged", "mitsuba-ptracer", "luxcore-bidir", "luxcore-hybrid", "luxcore-cache", "pbrt-bdpt", "pbrt-sppm"}
 READS_ROOMS = {"fathom", "mitsuba"}
 
 
