@@ -40,17 +40,20 @@ void add_path_options(Command& command, SettingsOptions& o)
                           const int choice = parse_choice(text, {"off", "on", "auto"});
                           if (choice < 2) o.guiding = choice == 1;
                       });
-    command.add_value({"--caustics", "auto|on|off",
+    command.add_value({"--caustics", "auto|on|merged|off",
                        "light tracing: paths from the lights find caustics, the light that glass and mirrors throw "
                        "onto other surfaces, which paths from the camera meet rarely or never. auto: in `fathom "
                        "render` on if a trial shows less noise for the time, which is made from 8 samples per pixel "
                        "and 2 million in all (a quick one below 33 million; with smooth glass from 1 million), from "
                        "--time 2s (1s), and with --samples, --part, --mergeable or --checkpoint; in shorter renders "
-                       "on if glass refracts light of lights without a size; in `fathom view` off",
+                       "on if glass refracts light of lights without a size; in `fathom view` off. merged: also finds "
+                       "caustics that are seen through glass or in mirrors, such as those on the floor of a pool, from "
+                       "photons. Biased: they are blurred, less with every sample",
                        "auto"},
                       [&](const std::string& text) {
-                          const int choice = parse_choice(text, {"off", "on", "auto"});
-                          if (choice < 2) o.caustics = choice == 1;
+                          const int choice = parse_choice(text, {"off", "on", "merged", "auto"});
+                          if (choice < 3) o.caustics = choice > 0;
+                          o.merge_caustics = choice == 2;
                       });
     command.add_value({"--clamp-indirect", "X",
                        "limit the light that each sample gets over two or more surfaces, per channel and before "
@@ -108,6 +111,7 @@ RenderSettings resolve_settings(const SettingsOptions& o, const RenderHints& hin
     settings.light_selection = o.light_selection;
     settings.guiding = o.guiding.value_or(false);
     settings.light_paths = o.caustics.value_or(false) ? usual_light_paths : 0;
+    settings.merge_caustics = o.merge_caustics;
     settings.background = o.background ? o.background : hints.background;
     settings.alpha = o.transparent;
     if (o.clamp_indirect) settings.clamp_indirect = float(*o.clamp_indirect);

@@ -17,6 +17,7 @@ struct SettingsOptions {
     LightSelection light_selection = LightSelection::tree;
     std::optional<bool> guiding;   ///< none: the command decides
     std::optional<bool> caustics;  ///< none: the command decides
+    bool merge_caustics = false;   ///< see RenderSettings
     std::optional<Filter> filter;
     std::optional<double> filter_radius;
     std::optional<Color> background;

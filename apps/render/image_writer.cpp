@@ -55,6 +55,7 @@ std::map<std::string, std::string> image_attributes(const RenderPlan& plan, cons
         {"fathom.light_sampling", s.light_sampling ? "on" : "off"},
         {"fathom.guiding", s.guiding ? "on" : "off"},
         {"fathom.light_paths", fmt::format("{:g}", s.light_paths)},
+        {"fathom.merge_caustics", s.gathers_caustics() ? "on" : "off"},
         {"fathom.crop", s.crop ? fmt::format("{},{},{},{}", s.crop->x0, s.crop->y0, s.crop->x1, s.crop->y1) : "none"},
         {"fathom.clamp_indirect", s.clamp_indirect ? fmt::format("{:g}", *s.clamp_indirect) : "none"},
         {"fathom.simd", simd_name()},

@@ -340,6 +340,14 @@ void decide_on_caustics(const LitScene& lit, const CausticsChoice& choice, Rende
             fmt::format("{}: {}, and the light that the glass refracts is missing (caustics); --caustics on "
                         "renders it",
                         choice.file, refracted));
+    if (refracted.empty() || settings.light_paths == 0 || settings.merge_caustics) return;
+    // The estimate is rough, so that less than this may be noise of light that paths find.
+    constexpr double least_fraction = 0.03;
+    if (const double hidden = light_of_photons(RenderJob(lit.scene, settings)); hidden >= least_fraction)
+        warnings.add(
+            fmt::format("{}: caustics that are seen through glass or in mirrors are missing, about {:.2g} % of "
+                        "the light; --caustics merged renders them, a little blurred",
+                        choice.file, 100 * hidden));
 }
 
 void set_time(EditableScene& edit, const LoadedScene& loaded, const SceneOptions& options, double time_s)

@@ -54,7 +54,8 @@ struct CausticsChoice {
     std::optional<TrialEffort> trial{};  ///< the trial that the render is long enough for
 };
 /// Sets RenderSettings::light_paths if the user left the choice to the program: by a trial, or else, and after a quick
-/// trial, if glass refracts light that path tracing alone cannot find. Warns if that light will be missing.
+/// trial, if glass refracts light that path tracing alone cannot find. Warns if that light will be missing, or the part
+/// of it that only photons show.
 void decide_on_caustics(const LitScene& lit, const CausticsChoice& choice, RenderSettings& settings, Warnings& warnings,
                         Reporter& reporter);
 

@@ -78,6 +78,11 @@ struct RenderSettings {
     /// caustics, as some 240,000 light paths show first. 0 is path tracing alone. Without effect if light_sampling is
     /// false.
     double light_paths = 0;
+    /// Also gathers caustics that are seen through smooth glass or in mirrors, or over them, from photons that the
+    /// light paths leave on surfaces. Neither technique finds those of small lamps otherwise. This is the only setting
+    /// whose images are blurred by a radius, which shrinks with the sample index: they converge, but no finite number
+    /// of samples is free of bias. Without effect without light paths.
+    bool merge_caustics = false;
     Filter filter = Filter::blackman_harris;  ///< Pixel filter.
     double filter_radius = 0;                 ///< Radius in pixels that `filter` is stretched to, at most
                                               ///< max_filter_radius; 0 selects its default radius.
@@ -97,6 +102,8 @@ struct RenderSettings {
     std::optional<float> clamp_indirect;
     bool measure_stages = false;  ///< Measures the time of each stage: RenderCosts::seconds of Progress::costs.
 
+    /// Returns whether photons are gathered.
+    bool gathers_caustics() const { return merge_caustics && light_paths > 0 && light_sampling; }
     /// Returns the pixels that are rendered: the crop, or else the whole image.
     Crop rendered_pixels() const { return crop.value_or(Crop{0, 0, width, height}); }
 };

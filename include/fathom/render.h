@@ -75,6 +75,14 @@ FATHOM_API std::optional<LightTracingTrial> try_light_tracing(const RenderJob& j
                                                               const std::atomic<bool>* cancel = nullptr,
                                                               TrialEffort effort = TrialEffort::full);
 
+/// Estimates which fraction of the image's light reaches the camera only if photons are gathered
+/// (RenderSettings::merge_caustics): caustics of lamps without size that are seen through glass or in mirrors. Renders
+/// a small image twice, with 40,000 samples in all; the result depends on scene, camera and settings only.
+///
+/// job     What would be rendered, with light paths. Without them the result is 0.
+/// cancel  If not null and set to true by another thread, the estimate stops soon; the result is then 0.
+FATHOM_API double light_of_photons(const RenderJob& job, const std::atomic<bool>* cancel = nullptr);
+
 /// Returns the linear Rec.709 radiance of one sample of pixel (x, y), which is the value that render() adds to a film.
 /// It is meant for debugging. Throws Error if the pixel is not in the image or the index is not below max_samples.
 FATHOM_API Color render_sample(const RenderJob& job, int x, int y, std::uint64_t sample_index);

@@ -110,7 +110,7 @@ def named_as_in_python() -> Iterator[None]:
 
 def _text(name: str, value: Any, form: str) -> str:
     if isinstance(value, (bool,)):
-        if "on|off" not in form and "auto|off" not in form:
+        if "off" not in (choices := form.split("|")) or not {"on", "auto"} & set(choices):
             raise TypeError(f"{name}: expected {form}, found {value}")
         return "on" if value else "off"
     if isinstance(value, (str, os.PathLike)):

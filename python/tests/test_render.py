@@ -1,4 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
+import json
+
 import numpy as np
 import pytest
 
@@ -86,3 +88,16 @@ def test_rgb_is_what_png_contains(scene, tmp_path):
 
 def test_description_of_options():
     assert "spp: samples per pixel" in fathom.options.describe() and "turntable" not in fathom.options.describe()
+
+
+def test_caustics_seen_through_glass(tmp_path):
+    square = lambda material, y: {"material": material, "rectangle": {"corner": [-2, y, 2], "edge_u": [4, 0, 0], "edge_v": [0, 0, -4]}}
+    pool = {"fathom": 1, "camera": {"position": [0, 4, 0.1], "look_at": [0, 0, 0]},
+            "materials": {"floor": {"kind": "diffuse"}, "water": {"kind": "glass", "ior": 1.33}},
+            "lights": {"bulb": {"kind": "point", "position": [0, 2, 0], "intensity": 5}}, "scene": [square("floor", 0), square("water", 0.5)]}
+    (tmp_path / "pool.json").write_text(json.dumps(pool))
+    options = dict(size=(16, 12), spp=16, guiding=False)
+    with pytest.warns(UserWarning, match="seen through glass or in mirrors are missing"):
+        dark = fathom.render(tmp_path / "pool.json", caustics=True, **options)
+    merged = fathom.render(tmp_path / "pool.json", caustics="merged", **options)
+    assert merged.hdr["beauty"].mean() > 10 * dark.hdr["beauty"].mean()

@@ -28,7 +28,7 @@ std::vector<std::pair<std::string, std::string>> fields_of(const FilmKey& key)
             {"light_sampling", fmt::format("{}", int(s.light_sampling))},
             {"light_selection", fmt::format("{}", int(s.light_selection))},
             {"guiding", fmt::format("{}", int(s.guiding))},
-            {"light_paths", fmt::format("{:a}", s.light_paths)},
+            {"light_paths", fmt::format("{:a}", s.light_paths) + (s.gathers_caustics() ? "+merged" : "")},
             {"error_probes", fmt::format("{}", int(s.error_probes))},
             {"filter",
              fmt::format("{}", int(s.filter)) + (s.filter_radius > 0 ? fmt::format("x{:a}", s.filter_radius) : "")},
@@ -163,7 +163,11 @@ FilmKey FilmKey::parse(const std::string& text)
     s.light_sampling = parser.number<int>("light_sampling", 0, 1) == 1;
     s.light_selection = LightSelection(parser.number<int>("light_selection", 0, 2));
     s.guiding = parser.number<int>("guiding", 0, 1) == 1;
-    s.light_paths = parser.number<double>("light_paths", 0, max_light_paths);
+    std::string_view light_paths = parser.field("light_paths");
+    constexpr std::string_view merged = "+merged";
+    s.merge_caustics = light_paths.ends_with(merged);
+    if (s.merge_caustics) light_paths.remove_suffix(merged.size());
+    s.light_paths = KeyParser::numbers<double, 1>("light_paths", light_paths, ',', 0, max_light_paths)[0];
     s.error_probes = parser.number<int>("error_probes", 0, 1) == 1;
     const std::string_view filter = parser.field("filter"), kind = filter.substr(0, filter.find('x'));
     s.filter = Filter(KeyParser::numbers<int, 1>("filter", kind, ',', 0, 3)[0]);

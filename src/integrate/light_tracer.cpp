@@ -121,7 +121,9 @@ private:
         p.radiance.append(size, Spectrum(Float(0)), m);
         p.pixel_hash.append(size, key.pixel_hash, m);
         p.reversed_index.append(size, key.reversed_index, m);
-        p.state.append(size, UInt(0u), m);
+        // The flag PathPool::specular tells that the path leaves photons: only delta lobes have scattered it.
+        const Mask makes_caustics = results_.records_photons ? emitter_.makes_caustics(e.light, -e.d, m) : Mask(false);
+        p.state.append(size, select(makes_caustics, UInt(PathPool::specular), UInt(0u)), m);
         p.bsdf_pdf.append(size, Float(0), m);
         p.exit_offset.append(size, Float(0), m);
         // Russian roulette compares the throughput with that at the start.
@@ -216,6 +218,7 @@ private:
             ShadingPoint<Closure> at = read_point<Closure>(v, v.hit, v.media);
             const Mask sees_camera = may_scatter(settings_, v.bounce) & valid;
             if (any(sees_camera)) connect(v, at, sees_camera);
+            if (results_.records_photons) record_photons(v, at, sees_camera);
             scatter_on(v, at);
         }
     }
@@ -264,6 +267,28 @@ private:
                                          distance[k],
                                          pdf[k]});
         }
+    }
+
+    /// Records the paths of m that only delta lobes have scattered, at least one, where others do.
+    template <class Closure>
+    [[gnu::noinline]] void record_photons(const Vertex& v, const ShadingPoint<Closure>& at, Mask m)
+    {
+        m &= !v.is_first & ((v.state & UInt(PathPool::specular)) != UInt(0u)) & Closure(at.material).has_non_delta();
+        if (Closure::transmits) m &= !at.skips_interface;
+        if (none(m)) return;
+        const Vec3 vectors[3] = {at.p, -v.hit.d, at.ng};
+        float values[12][lanes];
+        for (int k = 0; k < 3; ++k) {
+            store(values[3 * k], vectors[k].x), store(values[3 * k + 1], vectors[k].y);
+            store(values[3 * k + 2], vectors[k].z), store(values[9 + k], v.throughput.c[k]);
+        }
+        for_each_active(m, [&](int lane) {
+            const auto vector = [&](int k) { return Vec3f{values[k][lane], values[k + 1][lane], values[k + 2][lane]}; };
+            const std::size_t i = v.i + std::size_t(lane);
+            results_.photons.push_back({vector(0), vector(3), vector(6), vector(9), job_.sample,
+                                        reverse_bits_scalar(paths_->reversed_index[i]),
+                                        paths_->state[i] & PathPool::bounce_mask});
+        });
     }
 
     template <class Closure>
@@ -475,7 +500,8 @@ private:
         roulette.plays &= !no_bounce;
         Mask ends = !continues | apply_roulette(roulette, v.random.key, v.random.seed, throughput);
         if (Closure::transmits) ends |= !no_bounce & !may_scatter(settings_, v.bounce);
-        UInt state = v.state + select(no_bounce, UInt(0u), UInt(1u));
+        const UInt kept = select(next.is_delta | undeflected, v.state, v.state & UInt(~PathPool::specular));
+        UInt state = kept + select(no_bounce, UInt(0u), UInt(1u));
         if (scene_.has(Feature::open_media)) {
             const UInt step = p.walk_steps.load(i) + UInt(1u);
             p.walk_steps.store(i, step, no_bounce);

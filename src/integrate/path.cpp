@@ -126,6 +126,7 @@ private:
         if (columns_.has(PathColumn::number)) p.number.store(to, iota() + UInt(first));
         if (columns_.has(PathColumn::walk_coefficients)) forget_medium(p, to);
         if (columns_.has(PathColumn::light_tracing)) p.connection.store(to, Float(no_vertex));
+        if (columns_.has(PathColumn::gathered)) p.gathered.store(to, UInt(PathPool::nothing));
     }
 
     // ------------------------------------------------------------------------------------------- trace
@@ -366,8 +367,13 @@ private:
     {
         const Float emission = emitter_.density(light, o, d, distance, time, m) * Float(float(settings_.light_paths));
         const Float scatter_pdf = paths_->scatter_pdf.gather(index, m);
-        return path_tracing_weight(paths_->connection.gather(index, m), emission,
-                                   path_variants(nee_pdf, abs(scatter_pdf), scatter_pdf < Float(0), Mask(false)));
+        const Float weight =
+            path_tracing_weight(paths_->connection.gather(index, m), emission,
+                                path_variants(nee_pdf, abs(scatter_pdf), scatter_pdf < Float(0), Mask(false)));
+        if (!columns_.has(PathColumn::gathered)) return weight;
+        const Mask is_in_photons = (paths_->gathered.gather(index, m) == UInt(PathPool::caustics_before)) &
+                                   (emission > Float(0)) & emitter_.makes_caustics(light, d, m);
+        return select(is_in_photons, Float(0), weight);
     }
 
     void add_environment(std::size_t at, Mask m)

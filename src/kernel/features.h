@@ -57,7 +57,8 @@ enum class PathColumn : std::uint32_t {
     walk_steps,
     walk_coefficients,     ///< walk_extinction and walk_albedo
     light_sampling_state,  ///< bsdf_pdf and exit_offset: surfaces that a path passes undeflected keep them
-    light_tracing          ///< connection and scatter_pdf: weights against light tracing
+    light_tracing,         ///< connection and scatter_pdf: weights against light tracing
+    gathered               ///< caustics are gathered from photons
 };
 using PathColumns = EnumSet<PathColumn>;
 
@@ -75,6 +76,7 @@ inline PathColumns path_columns(const Features& features, const KernelSettings& 
     columns.add(PathColumn::walk_coefficients, features.has(Feature::textured_media));
     columns.add(PathColumn::light_sampling_state, features.has(Feature::transmissive_shadows));
     columns.add(PathColumn::light_tracing, settings.light_paths > 0);
+    columns.add(PathColumn::gathered, settings.caustics != nullptr);
     return columns;
 }
 

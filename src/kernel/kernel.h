@@ -14,6 +14,7 @@
 #include "film/tile_sums.h"
 #include "guiding/records.h"
 #include "kernel/camera_record.h"
+#include "kernel/caustic_map.h"
 #include "kernel/path_profile.h"
 #include "kernel/tables.h"
 #include "lights/targets.h"
@@ -67,6 +68,9 @@ struct KernelSettings {
     /// weights what it finds against what light tracing finds.
     std::uint32_t light_paths = 0;
     const LightTargets* light_targets = nullptr;  ///< aims light paths if not null
+    /// Photons of caustics for all samples of the job, if not null: camera paths that light tracing cannot find gather
+    /// them, and leave out what they stand for. Requires light_paths.
+    const CausticMap* caustics = nullptr;
     /// Bit y * width + x: whether a camera ray of the pixel may meet something (pixels_with_surfaces); null: unknown.
     const std::uint32_t* seen_pixels = nullptr;
 
@@ -115,8 +119,9 @@ struct LightArrival {
 /// Output of trace_light_paths(), which appends to these lists.
 struct LightPathResults {
     std::vector<LightSplat> splats;
-    bool records_arrivals = false;
+    bool records_arrivals = false, records_photons = false;
     std::vector<LightArrival> arrivals;  ///< if records_arrivals
+    std::vector<CausticPhoton> photons;  ///< if records_photons, in an order that depends on the number of lanes
 };
 
 /// Surface that the ray through the center of a pixel meets first. Lengths are in render space.

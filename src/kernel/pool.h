@@ -134,6 +134,14 @@ struct PathPool {
     /// Density with which the closure alone samples the last direction; negative if no vertex came before.
     Column<float> scatter_pdf;
 
+    /// Whether photons of caustics were gathered at the last vertex that is not a delta lobe: a value of Gathered.
+    Column<std::uint32_t> gathered;
+    enum Gathered : std::uint32_t {
+        nothing,
+        caustics,         ///< gathered at the last vertex
+        caustics_before,  ///< gathered before the last vertices, which are delta lobes: the photons have what follows
+    };
+
     /// Calls f(column of a, column of b) for each column that lives on to the next surface and beyond.
     template <class F>
     static void for_each_live_column(PathPool& a, PathPool& b, PathColumns columns, F&& f)
@@ -152,6 +160,7 @@ struct PathPool {
         if (columns.has(PathColumn::walk_coefficients))
             for_columns(a.walk_extinction, b.walk_extinction, f), for_columns(a.walk_albedo, b.walk_albedo, f);
         if (columns.has(PathColumn::light_tracing)) f(a.connection, b.connection), f(a.scatter_pdf, b.scatter_pdf);
+        if (columns.has(PathColumn::gathered)) f(a.gathered, b.gathered);
     }
     /// The position of the pixel in the job.
     template <class Word>

@@ -50,7 +50,8 @@ RenderJob::RenderJob(const Scene& scene, const Camera& camera, const RenderSetti
              record,
              {settings, compiled.key(record)},
              settings.guiding ? std::make_unique<TrainedGuiding>() : nullptr,
-             settings.light_paths > 0 ? std::make_unique<LearnedLightTargets>() : nullptr});
+             settings.light_paths > 0 ? std::make_unique<LearnedLightTargets>() : nullptr,
+             settings.gathers_caustics() ? std::make_unique<LearnedCausticRadius>() : nullptr});
 }
 
 const Scene& RenderJob::scene() const

@@ -21,14 +21,21 @@ struct LearnedLightTargets {
     std::unique_ptr<const LightTargets> targets;
 };
 
+/// Radius of caustic photons of a job, learned when its first samples are rendered.
+struct LearnedCausticRadius {
+    std::once_flag once;
+    float radius = 0;
+};
+
 /// A job: the scene, its camera and settings (in the key), and the guiding tables once they are learned.
 struct RenderJob::Data {
     Scene scene;
     Camera camera;  ///< in world space
     CameraRecord camera_record;
     FilmKey key;
-    std::unique_ptr<TrainedGuiding> guiding;             ///< null if the settings don't ask for guiding
-    std::unique_ptr<LearnedLightTargets> light_targets;  ///< null without light paths
+    std::unique_ptr<TrainedGuiding> guiding;               ///< null if the settings don't ask for guiding
+    std::unique_ptr<LearnedLightTargets> light_targets;    ///< null without light paths
+    std::unique_ptr<LearnedCausticRadius> caustic_radius;  ///< null if caustics are not gathered
 };
 
 }  // namespace fathom

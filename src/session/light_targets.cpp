@@ -12,6 +12,7 @@
 
 #include "lights/kinds/records.h"
 #include "session/guiding.h"
+#include "session/seen_photons.h"
 #include "session/trial_image.h"
 
 namespace fathom {
@@ -364,13 +365,16 @@ std::unique_ptr<LightTargets> choose_targets(LearnedPaths paths, const LightTabl
 
 std::unique_ptr<const LightTargets> learn_light_targets(const KernelScene& scene, const LightTables& lights,
                                                         const CameraRecord& camera, const KernelSettings& settings,
-                                                        const std::atomic<bool>* cancel)
+                                                        bool gathers, const std::atomic<bool>* cancel)
 {
     if (std::none_of(lights.lights.begin(), lights.lights.end(), can_be_aimed)) return nullptr;
     TrialImage image(settings);
     const auto trace = [&](std::size_t set, std::size_t samples) {
-        LightSamples light = trace_light_samples(scene, camera, image, set, samples, true, cancel);
+        LightPathResults wanted;
+        wanted.records_arrivals = true, wanted.records_photons = gathers;
+        LightSamples light = trace_light_samples(scene, camera, image, set, samples, wanted, cancel);
         if (cancel && *cancel) throw Cancelled();
+        add_seen_photons(light, camera, image);
         return light;
     };
     const LightSamples own = trace(own_set, own_samples);

@@ -74,7 +74,7 @@ struct LightStatistics {
 LightStatistics trace_light(const KernelScene& scene, const CameraRecord& camera, const TrialImage& image,
                             std::size_t sets, const std::atomic<bool>* cancel)
 {
-    const LightSamples samples = trace_light_samples(scene, camera, image, sets, sets * set_samples, false, cancel);
+    const LightSamples samples = trace_light_samples(scene, camera, image, sets, sets * set_samples, {}, cancel);
     LightStatistics result{std::vector<SplatSums>(image.pixels.size()), samples.rays};
     for (const LightPathResults& job : samples.jobs)
         for (const LightSplat& splat : job.splats)
@@ -103,7 +103,7 @@ LightTracingTrial run_light_trial(const KernelScene& scene, const LightTables& l
     const std::size_t sets = is_full ? full_sets : quick_sets;
     const auto samples = double(sets * set_samples);
     std::unique_ptr<const LightTargets> targets;
-    if (is_full) targets = learn_light_targets(scene, lights, camera, settings, cancel);
+    if (is_full) targets = learn_light_targets(scene, lights, camera, settings, false, cancel);
     TrialImage image(settings);
     image.settings.light_targets = targets.get();
     const CameraStatistics paths = trace_camera_paths(scene, camera, image, sets, cancel);

@@ -17,11 +17,13 @@
 #include "film/film_data.h"
 #include "film/probes.h"
 #include "kernel/kernel.h"
+#include "session/caustic_map.h"
 #include "session/guiding.h"
 #include "session/job.h"
 #include "session/kernel_settings.h"
 #include "session/light_targets.h"
 #include "session/light_trial.h"
+#include "session/photon_trial.h"
 #include "session/thread_arena.h"
 #include "session/tiles.h"
 
@@ -58,17 +60,30 @@ const LightTargets* light_targets_of(const RenderJob& job, const KernelSettings&
     LearnedLightTargets* const learned = job.data().light_targets.get();
     if (!learned || settings.light_paths == 0) return nullptr;
     std::call_once(learned->once, [&] {
-        learned->targets = learn_light_targets(*job.scene().data().kernel, *job.scene().data().tables,
-                                               job.data().camera_record, settings, cancel);
+        learned->targets =
+            learn_light_targets(*job.scene().data().kernel, *job.scene().data().tables, job.data().camera_record,
+                                settings, job.settings().gathers_caustics(), cancel);
     });
     return learned->targets.get();
+}
+
+/// Radius of the job's photons at sample index 0, found on the first call. Runs in the caller's task arena.
+float caustic_radius_of(const RenderJob& job, const KernelSettings& settings)
+{
+    LearnedCausticRadius* const learned = job.data().caustic_radius.get();
+    const Scene::Data& scene = job.scene().data();
+    std::call_once(learned->once, [&] {
+        learned->radius =
+            first_caustic_radius(*scene.kernel, job.data().camera_record, settings, scene.tables->ball_radius);
+    });
+    return learned->radius;
 }
 
 /// Per-thread state of a rendering pass.
 struct Worker {
     std::vector<std::uint32_t> pixels;
     TileSums sums;
-    LightPathResults light;
+    LightPathResults light, probe_light;
     KernelCounters counters;
     std::uint64_t dropped = 0;
     std::optional<Film::SampleLocation> invalid_sample;
@@ -216,10 +231,12 @@ public:
         if (const std::string difference = film.key.difference(job.key()); !difference.empty())
             throw Error("", "", "the film belongs to another job: " + difference);
         if (scene_.tables->lights.empty()) kernel_.light_paths = 0;
+        gathers_ = job.settings().gathers_caustics() && kernel_.light_paths > 0;
         const auto start = std::chrono::steady_clock::now();
         arena_.execute([&] {
             kernel_.light_targets = light_targets_of(job, kernel_, cancel);
             kernel_.guiding = guiding_of(job, kernel_, cancel);
+            if (gathers_) caustic_radius_ = caustic_radius_of(job, kernel_);
         });
         const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
         seen_pixels_ = pixels_with_surfaces(*scene_.kernel, camera_, kernel_);
@@ -230,7 +247,26 @@ public:
 
     std::uint64_t pixels() const { return std::uint64_t(crop_.x1 - crop_.x0) * std::uint64_t(crop_.y1 - crop_.y0); }
 
-    /// Renders a pass. Calls take(worker) after each tile; asks stop() before each tile.
+    /// Limit on the samples of a pass: their photons and splats are in memory at once.
+    std::uint64_t max_samples() const
+    {
+        constexpr std::uint64_t most_light_paths = 1'000'000;
+        if (!gathers_) return max_pass_samples;
+        return std::clamp<std::uint64_t>(most_light_paths / kernel_.light_paths, 1, max_pass_samples);
+    }
+
+    /// Traces the light paths of a pass whose camera paths gather photons. Asks stop() before each task.
+    template <class Stop>
+    void begin(SampleRange range, const Stop& stop)
+    {
+        if (!gathers_) return;
+        caustics_ = map_caustics(range, kernel_, &Worker::light, stop);
+        kernel_.caustics = &caustics_;
+        // The error includes that of the photons only if probes have photons of their own.
+        if (!probes_.empty()) probe_caustics_ = map_caustics(range, probe_settings(), &Worker::probe_light, stop);
+    }
+
+    /// Renders the tiles of a pass. Calls take(worker) after each tile; asks stop() before each tile.
     template <class Take, class Stop>
     void render(SampleRange range, const Take& take, const Stop& stop)
     {
@@ -259,10 +295,7 @@ public:
     template <class Stop>
     void render_probes(SampleRange range, std::uint32_t* words, const Stop& stop)
     {
-        KernelSettings settings = kernel_;
-        settings.seed = probe_seed(kernel_.seed);
-        settings.aovs = {};
-        settings.film_words = std::size_t(other_words);
+        const KernelSettings settings = probe_settings();
         const auto samples = std::uint32_t(range.second - range.first);
         const auto render = [&](const tbb::blocked_range<std::size_t>& block) {
             if (stop()) return;
@@ -284,31 +317,19 @@ public:
         });
     }
 
-    /// Traces the light paths of a pass and adds what they bring to `words`, the sums of a whole image. Asks stop()
-    /// before each task.
+    /// Adds what the light paths of a pass bring to `words`, the sums of a whole image, and traces them unless begin()
+    /// did. Asks stop() before each task.
     template <class Stop>
-    void trace_light(SampleRange range, std::uint32_t* words, const Stop& stop)
+    void add_light(SampleRange range, std::uint32_t* words, const Stop& stop)
     {
         if (kernel_.light_paths == 0) return;
         SplatAdder adder(film_, crop_, words);
-        const std::uint64_t tasks = (kernel_.light_paths + light_paths_per_job - 1) / light_paths_per_job;
-        const auto trace = [&](const tbb::blocked_range<std::uint64_t>& block) {
-            Worker& worker = workers_.local();
-            for (std::uint64_t i = block.begin(); i != block.end() && !stop(); ++i) {
-                const std::uint32_t first = std::uint32_t(i % tasks) * light_paths_per_job;
-                const LightPathJob job{std::uint32_t(range.first + i / tasks), first,
-                                       std::min(light_paths_per_job, kernel_.light_paths - first)};
-                worker.light.splats.clear();
-                worker.measured(RenderStage::camera, kernel_.measure, [&] {
-                    trace_light_paths(*scene_.kernel, camera_, kernel_, job, worker.light, worker.counters);
-                });
-                worker.measured(RenderStage::film, kernel_.measure, [&] { adder.add(worker); });
-            }
+        const auto add = [&](Worker& worker) {
+            worker.measured(RenderStage::film, kernel_.measure, [&] { adder.add(worker); });
+            worker.light.splats.clear();
         };
-        arena_.execute([&] {
-            tbb::parallel_for(tbb::blocked_range<std::uint64_t>(0, tasks * (range.second - range.first), 1), trace,
-                              tbb::simple_partitioner());
-        });
+        if (!gathers_) return trace_light(range, kernel_, &Worker::light, add, stop);
+        for (Worker& worker : workers_) add(worker);
     }
 
     /// Records a pass whose sums are in the film; returns the total costs so far.
@@ -337,6 +358,62 @@ public:
     }
 
 private:
+    /// Traces the light paths of a pass, which append to a worker's results. Calls take(worker) after each task; asks
+    /// stop() before each.
+    template <class Take, class Stop>
+    void trace_light(SampleRange range, const KernelSettings& settings, LightPathResults Worker::* results,
+                     const Take& take, const Stop& stop)
+    {
+        const std::uint64_t tasks = (settings.light_paths + light_paths_per_job - 1) / light_paths_per_job;
+        const auto trace = [&](const tbb::blocked_range<std::uint64_t>& block) {
+            Worker& worker = workers_.local();
+            (worker.*results).records_photons = gathers_;
+            for (std::uint64_t i = block.begin(); i != block.end() && !stop(); ++i) {
+                const std::uint32_t first = std::uint32_t(i % tasks) * light_paths_per_job;
+                const LightPathJob job{std::uint32_t(range.first + i / tasks), first,
+                                       std::min(light_paths_per_job, settings.light_paths - first)};
+                worker.measured(RenderStage::camera, settings.measure, [&] {
+                    trace_light_paths(*scene_.kernel, camera_, settings, job, worker.*results, worker.counters);
+                });
+                take(worker);
+            }
+        };
+        arena_.execute([&] {
+            tbb::parallel_for(tbb::blocked_range<std::uint64_t>(0, tasks * (range.second - range.first), 1), trace,
+                              tbb::simple_partitioner());
+        });
+    }
+
+    /// Traces the light paths of a pass, keeping their splats, and maps their photons.
+    template <class Stop>
+    CausticMap map_caustics(SampleRange range, const KernelSettings& settings, LightPathResults Worker::* results,
+                            const Stop& stop)
+    {
+        trace_light(range, settings, results, [](Worker&) {}, stop);
+        std::vector<CausticPhoton> photons;
+        for (Worker& worker : workers_) {
+            std::vector<CausticPhoton>& own = (worker.*results).photons;
+            photons.insert(photons.end(), own.begin(), own.end());
+            own.clear();
+        }
+        CausticMap map;
+        arena_.execute([&] {
+            map = make_caustic_map(std::move(photons), std::uint32_t(range.first),
+                                   std::uint32_t(range.second - range.first), caustic_radius_);
+        });
+        return map;
+    }
+
+    KernelSettings probe_settings() const
+    {
+        KernelSettings settings = kernel_;
+        settings.seed = probe_seed(kernel_.seed);
+        settings.aovs = {};
+        settings.film_words = std::size_t(other_words);
+        if (gathers_) settings.caustics = &probe_caustics_;
+        return settings;
+    }
+
     /// Returns the number of probes per task: enough samples to fill the kernel's pool, and a task for each thread.
     std::size_t probes_per_job(std::uint32_t samples) const
     {
@@ -354,6 +431,9 @@ private:
     ThreadArena arena_;
     Workers workers_;
     double learning_s_ = 0;  ///< learning time, summed over threads
+    bool gathers_ = false;   ///< camera paths gather photons of caustics
+    float caustic_radius_ = 0;
+    CausticMap caustics_, probe_caustics_;  ///< photons of the pass, if gathers_
 };
 
 /// Allocates the sums of a pass beside those of the film; returns false if memory is short.
@@ -390,6 +470,7 @@ bool render_into(Film& film, const RenderJob& job, Passes& passes, SampleRange r
             dropped.store(true, std::memory_order_relaxed);
         return dropped.load(std::memory_order_relaxed);
     };
+    passes.begin(range, stop);
     passes.render(
         range,
         [&](const Worker& worker) {
@@ -399,7 +480,7 @@ bool render_into(Film& film, const RenderJob& job, Passes& passes, SampleRange r
         },
         stop);
     passes.render_probes(range, sums, stop);
-    passes.trace_light(range, sums, stop);
+    passes.add_light(range, sums, stop);
     if (dropped) {
         if (is_first) film.reset(job);
         return false;
@@ -423,7 +504,7 @@ try {
     while (next < range.second) {
         if (cancel && *cancel) return false;
         const auto start = std::chrono::steady_clock::now();
-        const std::uint64_t end = std::min(range.second, next + std::min(pass, max_pass_samples));
+        const std::uint64_t end = std::min(range.second, next + std::min(pass, passes.max_samples()));
         if (!render_into(film, job, passes, {next, end}, cancel)) return false;
         progress.costs = passes.finish({next, end});
         progress.samples_done += passes.pixels() * (end - next);
@@ -467,9 +548,10 @@ try {
         if (cancel.load(std::memory_order_relaxed)) stopped.store(true, std::memory_order_relaxed);
         return stopped.load(std::memory_order_relaxed);
     };
+    passes.begin(range, stop);
     passes.render(range, take, stop);
     passes.render_probes(range, sums, stop);
-    passes.trace_light(range, sums, stop);
+    passes.add_light(range, sums, stop);
     if (stopped) {
         if (is_first) film.reset(job);
         return false;
@@ -513,6 +595,21 @@ try {
     return {};
 }
 
+double light_of_photons(const RenderJob& job, const std::atomic<bool>* cancel)
+{
+    const RenderSettings& settings = job.settings();
+    const Scene::Data& scene = job.scene().data();
+    if (!settings.light_sampling || settings.light_paths == 0 || scene.tables->lights.empty()) return 0;
+    ThreadArena arena(settings.threads);
+    double fraction = 0;
+    arena.execute([&] {
+        fraction =
+            run_photon_trial(*scene.kernel, job.data().camera_record, kernel_settings(settings, FilmLayout({}, false)),
+                             scene.tables->ball_radius, cancel);
+    });
+    return fraction;
+}
+
 Color render_sample(const RenderJob& job, int x, int y, std::uint64_t sample_index)
 {
     const RenderSettings& settings = job.settings();
@@ -524,6 +621,13 @@ Color render_sample(const RenderJob& job, int x, int y, std::uint64_t sample_ind
     if (job.scene().data().tables->lights.empty()) kernel.light_paths = 0;
     kernel.light_targets = light_targets_of(job, kernel, nullptr);
     kernel.guiding = guiding_of(job, kernel, nullptr);
+    CausticMap caustics;
+    if (settings.gathers_caustics() && kernel.light_paths > 0) {
+        const auto sample = std::uint32_t(sample_index);
+        caustics = make_caustic_map(trace_photons(*job.scene().data().kernel, job.data().camera_record, kernel, sample),
+                                    sample, 1, caustic_radius_of(job, kernel));
+        kernel.caustics = &caustics;
+    }
     const std::uint32_t pixel = std::uint32_t(y) << 16 | std::uint32_t(x);
     TileSums sums;
     sums.reset(1, kernel.film_words);

@@ -77,7 +77,7 @@ CameraStatistics trace_camera_paths(const KernelScene& scene, const CameraRecord
 }
 
 LightSamples trace_light_samples(const KernelScene& scene, const CameraRecord& camera, const TrialImage& image,
-                                 std::size_t set, std::size_t samples, bool records_arrivals,
+                                 std::size_t set, std::size_t samples, const LightPathResults& wanted,
                                  const std::atomic<bool>* cancel)
 {
     const std::uint32_t paths = image.settings.light_paths,
@@ -90,7 +90,7 @@ LightSamples trace_light_samples(const KernelScene& scene, const CameraRecord& c
         if (cancel && *cancel) return;
         const std::uint32_t first = std::uint32_t(i) % jobs * trial_light_paths_per_job;
         KernelCounters counters;
-        result.jobs[i].records_arrivals = records_arrivals;
+        result.jobs[i] = wanted;
         trace_light_paths(scene, camera, image.salted(set),
                           {std::uint32_t(i) / jobs, first, std::min(trial_light_paths_per_job, paths - first)},
                           result.jobs[i], counters);

@@ -47,9 +47,10 @@ struct LightSamples {
     double rays = 0;                     ///< per sample of the image
     std::size_t jobs_per_sample = 1;
 };
-/// Traces the light paths of `samples` samples with the random numbers of a set. Runs in the caller's task arena.
+/// Traces the light paths of `samples` samples with the random numbers of a set. wanted: an empty result that tells
+/// what is recorded. Runs in the caller's task arena.
 LightSamples trace_light_samples(const KernelScene& scene, const CameraRecord& camera, const TrialImage& image,
-                                 std::size_t set, std::size_t samples, bool records_arrivals,
+                                 std::size_t set, std::size_t samples, const LightPathResults& wanted,
                                  const std::atomic<bool>* cancel);
 
 }  // namespace fathom

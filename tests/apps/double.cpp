@@ -317,6 +317,10 @@ std::optional<LightTracingTrial> try_light_tracing(const RenderJob&, const std::
 {
     return LightTracingTrial{};
 }
+double light_of_photons(const RenderJob&, const std::atomic<bool>*)
+{
+    return 0;
+}
 
 std::optional<RenderProfile> profile_render(const RenderJob& job, const std::vector<SceneObject>&, int set_samples,
                                             const std::atomic<bool>* cancel)

@@ -21,10 +21,11 @@ def runs(program, kernel):
 
 
 WIDTH, HEIGHT = 64, 48
-guided_mark, caustics_mark = " guided", " with caustics"
+guided_mark, caustics_mark, merged_mark = " guided", " with caustics", " with merged caustics"
 GUIDED = [scene + guided_mark for scene in ("cornell-box", "environment", "instances")]
 
 CAUSTICS = [scene + caustics_mark for scene in ("report-spheres", "environment", "../tests/golden/scenes/moving-lamps")]
+MERGED = ["still-life" + merged_mark]
 
 
 def pixels(path):
@@ -50,10 +51,10 @@ def main():
                       "motion-blur", "motion-nodes", "motion-vertices", "curves",
                       "points", "depth-of-field", "model", "instances", "../tests/golden/scenes/hundreds-of-lamps",
                       "../tests/golden/scenes/moving-lamps", "../tests/golden/scenes/pictured-lights", "../tests/golden/scenes/glowing-curves",
-                      "../tests/golden/scenes/moving-curves", "../tests/golden/scenes/fibres", *GUIDED, *CAUSTICS]:
-            path = os.path.join(scenes, scene.removesuffix(guided_mark).removesuffix(caustics_mark) + ".json")
+                      "../tests/golden/scenes/moving-curves", "../tests/golden/scenes/fibres", *GUIDED, *CAUSTICS, *MERGED]:
+            path = os.path.join(scenes, scene.removesuffix(guided_mark).removesuffix(merged_mark).removesuffix(caustics_mark) + ".json")
             guiding = "on" if scene.endswith(guided_mark) else "off"
-            caustics = "on" if scene.endswith(caustics_mark) else "off"
+            caustics = "on" if scene.endswith(caustics_mark) else "merged" if scene.endswith(merged_mark) else "off"
             common = ["-q", "--caustics", caustics, "--size", f"{WIDTH}x{HEIGHT}", "--exr", "float", "--guiding", guiding]
             seen = {}
             for kernel in kernels:

@@ -7,7 +7,7 @@ namespace {
 
 using namespace test;
 
-Material unlit(Color color, bool single_sided)
+Material unlit_material(Color color, bool single_sided)
 {
     Material m;
     m.kind = MaterialKind::unlit;
@@ -57,7 +57,7 @@ struct Layers : SceneBuilder {
     std::uint32_t n;
 };
 
-constexpr Color red{1, 0, 0}, green{0, 1, 0}, blue{0, 0, 1};
+constexpr Color red_color{1, 0, 0}, green_color{0, 1, 0}, blue_color{0, 0, 1};
 
 /// In a closed room whose walls emit 1/2 and reflect 1/2, radiance is 1 everywhere. A camera outside sees it through a
 /// wall that it passes; no path may leak out behind that wall.
@@ -90,26 +90,26 @@ TEST(SingleSided, CamerasLookThroughBacks)
     for (const std::uint32_t n : {1u, 20u}) {
         for (const bool front_up : {true, false}) {
             Layers scene(n);
-            scene.add_square(0, front_up, unlit(red, true));
-            scene.add_square(-1, true, unlit(green, true));
-            EXPECT_EQ(scene.color(), front_up ? red : green) << n;
+            scene.add_square(0, front_up, unlit_material(red_color, true));
+            scene.add_square(-1, true, unlit_material(green_color, true));
+            EXPECT_EQ(scene.color(), front_up ? red_color : green_color) << n;
         }
         Layers scene(n);
-        scene.add_square(0, false, unlit(red, false));
-        scene.add_square(-1, true, unlit(green, true));
-        EXPECT_EQ(scene.color(), red) << "of two sides, " << n;
+        scene.add_square(0, false, unlit_material(red_color, false));
+        scene.add_square(-1, true, unlit_material(green_color, true));
+        EXPECT_EQ(scene.color(), red_color) << "of two sides, " << n;
     }
 }
 TEST(SingleSided, ManyBacksInARow)
 {
     for (const std::uint32_t n : {1u, 20u}) {
         Layers scene(n);
-        for (int i = 0; i < 5; ++i) scene.add_square(1 - 0.1 * i, false, unlit(red, true));
-        scene.add_square(0, true, unlit(blue, true));
-        EXPECT_EQ(scene.color(), blue) << n;
+        for (int i = 0; i < 5; ++i) scene.add_square(1 - 0.1 * i, false, unlit_material(red_color, true));
+        scene.add_square(0, true, unlit_material(blue_color, true));
+        EXPECT_EQ(scene.color(), blue_color) << n;
         // Without a surface behind the backs, the background is visible.
         Layers open(n);
-        open.add_square(0, false, unlit(red, true));
+        open.add_square(0, false, unlit_material(red_color, true));
         EXPECT_EQ(open.color(), (Color{0, 0, 0})) << n;
     }
 }
@@ -117,7 +117,7 @@ TEST(SingleSided, LayersDescribeTheVisibleSurface)
 {
     for (const std::uint32_t n : {1u, 20u}) {
         Layers scene(n);
-        Material m = unlit(red, true);
+        Material m = unlit_material(red_color, true);
         m.kind = MaterialKind::diffuse;
         scene.add_square(0, false, m);
         m.base_color.value = {0.25f, 0.5f, 0.75f};
@@ -157,8 +157,8 @@ TEST(SingleSided, MirrorsShowBacks)
         scene.add_square(0, true, mirror);
         // The camera is between mirror and square, whose front faces away from both.
         scene.scene.cameras[0].position = {0, 0, 0.5};
-        scene.add_square(1, true, unlit(red, true));
-        EXPECT_EQ(scene.color(), red) << n;
+        scene.add_square(1, true, unlit_material(red_color, true));
+        EXPECT_EQ(scene.color(), red_color) << n;
     }
 }
 

@@ -37,10 +37,10 @@ struct Compiled {
         : job(Scene::compile(description, "", warnings), small_image_settings(64, 64))
     {
     }
-    std::unique_ptr<const LightTargets> learn(const std::atomic<bool>* cancel = nullptr) const
+    std::unique_ptr<const LightTargets> learn(const std::atomic<bool>* cancel = nullptr, bool gathers = false) const
     {
         return learn_light_targets(*job.scene().data().kernel, *job.scene().data().tables, job.data().camera_record,
-                                   kernel_settings(), cancel);
+                                   kernel_settings(), gathers, cancel);
     }
     /// Second moment of what light paths bring, per pixel, with or without targets.
     double noise(const LightTargets* targets) const
@@ -48,7 +48,7 @@ struct Compiled {
         TrialImage image(kernel_settings());
         image.settings.light_targets = targets;
         const LightSamples samples =
-            trace_light_samples(*job.scene().data().kernel, job.data().camera_record, image, 5, 16, false, nullptr);
+            trace_light_samples(*job.scene().data().kernel, job.data().camera_record, image, 5, 16, {}, nullptr);
         double sum = 0;
         for (const LightPathResults& results : samples.jobs)
             for (const LightSplat& splat : results.splats) sum += std::pow(brightness(splat.value), 2);
@@ -118,6 +118,22 @@ TEST(LightTargets, SelectLightsThatReachThem)
                 least = *std::min_element(targets->light_ratios.begin(), targets->light_ratios.begin() + 2);
     EXPECT_NEAR(most, 1.5, 0.02);
     EXPECT_NEAR(least, 0.5, 0.02);
+}
+
+/// Caustics on a floor that is seen through glass only: no connection to the camera shows them, but photons do.
+TEST(LightTargets, LieWherePhotonsAreSeen)
+{
+    SeenFloor b(1, 20);
+    b.add(Box{{-0.7, 0.2, -0.7}, {0.7, 0.3, 0.7}}, b.material(dielectric()));
+    b.scene.cameras[0].position = {0, 2, 0};
+    b.light(light_of(LightKind::directional, 3), rotate_to({0.2, -1, 0.1}));
+    const Compiled compiled(b.scene);
+    EXPECT_FALSE(compiled.learn());
+    const std::unique_ptr<const LightTargets> targets = compiled.learn(nullptr, true);
+    ASSERT_TRUE(targets);
+    const double scale = compiled.job.scene().data().tables->render_scale;
+    for (const LightTargets::Target& t : targets->targets) EXPECT_LT(t.radius, 2 * scale);
+    EXPECT_LT(targets->own_share, 0.5f);
 }
 
 /// A beam cannot be aimed, and nothing is aimed at in a room that light samples light well.

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include "integrate/stages/caustic_gathering.h"
 #include "integrate/stages/direct.h"
 #include "integrate/stages/dispersion.h"
 #include "integrate/stages/light_tracing.h"
@@ -29,6 +30,7 @@ public:
           lights_(scene, settings.light_selection, !scene.is_flat),
           emitter_(scene, lights_, settings.light_targets),
           connector_(camera, settings),
+          gathering_(settings.caustics, settings),
           settings_(settings),
           counters_(counters),
           clock_(clock),
@@ -101,6 +103,7 @@ private:
         const Guidance guidance = guide(closure, at, gang);
         const FirstVertex first = first_vertex(gang, hit, at);
         if (lights_are_sampled_) estimate_direct_light(gang, closure, at, guidance, throughput, first);
+        const Mask gathers = gathering_.is_on() ? gather_caustics(gang, closure, at, throughput) : Mask(false);
 
         clock_.enter(RenderStage::scatter);
         Scattered next = scatter(closure, at, guidance, gang.random, throughput);
@@ -124,6 +127,36 @@ private:
         paths_->state.store(i, select(ends, passage.state | UInt(PathPool::dead), passage.state), valid);
         store_next_ray(gang, hit, at, next, passage.undeflected);
         if (light_paths_ > 0) store_connection(gang, at, next, first, passage.undeflected);
+        if (gathering_.is_on()) store_gathered(gang, at, next, gathers, passage.undeflected);
+    }
+
+    /// Adds the photons of caustics in the lanes whose path light tracing cannot find. Returns these lanes.
+    template <class Closure>
+    [[gnu::noinline]] Mask gather_caustics(const Gang& gang, const Closure& closure, const ShadingPoint<Closure>& at,
+                                           const Spectrum& throughput)
+    {
+        // Light paths end at fibers, so photons are never there.
+        if constexpr (Closure::is_fiber) return Mask(false);
+        PathPool& p = *paths_;
+        const Mask m = gang.valid & (p.connection.load(gang.i) >= Float(infinity));
+        if (none(m)) return m;
+        const UInt sample = reverse_bits(gang.random.key.reversed_index);
+        Spectrum add = throughput * gathering_.gather(closure, at, sample, gang.bounce, m);
+        if (settings_.clamp_indirect > 0) add = clamped(gang.i, add, m);
+        p.radiance.store(gang.i, p.radiance.load(gang.i) + select(m, add, Spectrum(Float(0))), m);
+        return m;
+    }
+    /// Stores PathPool::gathered of paths that leave a vertex, where the lanes of `gathers` have gathered photons.
+    template <class Closure>
+    [[gnu::noinline]] void store_gathered(const Gang& gang, const ShadingPoint<Closure>& at, const Scattered& next,
+                                          Mask gathers, Mask undeflected)
+    {
+        const UInt before = paths_->gathered.load(gang.i);
+        // Light paths end where a delta lobe is not reversible, so no photon stands for what follows.
+        const Mask goes_on = is_reversible(at, next.wi) & !next.enters_subsurface & (before != UInt(PathPool::nothing));
+        const UInt by_delta = select(goes_on, UInt(PathPool::caustics_before), UInt(PathPool::nothing));
+        const UInt by_others = select(gathers, UInt(PathPool::caustics), UInt(PathPool::nothing));
+        paths_->gathered.store(gang.i, select(next.is_delta, by_delta, by_others), gang.valid & !undeflected);
     }
 
     template <class Closure>
@@ -435,6 +468,7 @@ private:
     const LightSampler lights_;
     const LightEmitter emitter_;
     const CameraConnector connector_;
+    const CausticGathering gathering_;
     const KernelSettings& settings_;
     KernelCounters& counters_;
     StageClock& clock_;

@@ -122,6 +122,7 @@ private:
         if (scene_.has(Feature::exit_offsets)) p.exit_offset.store(i, Float(0), turns);
         // Light paths end where a medium scatters them.
         if (settings_.light_paths > 0) p.connection.store(i, Float(infinity), turns);
+        if (settings_.caustics) p.gathered.store(i, UInt(PathPool::nothing), turns);
         // The path no longer counts as coming from the camera, since first hits behind a scattering event are not
         // recorded.
         const Mask from_camera = bounce == UInt(0u);

@@ -129,6 +129,16 @@ public:
         return density;
     }
 
+    /// Whether light that comes along -wi is gathered from photons of caustics. Where an environment is not much
+    /// brighter than elsewhere, path tracing finds its light with less noise than photons, which are rare there.
+    Mask makes_caustics(UInt index, const Vec3& wi, Mask m) const
+    {
+        const Mask environment =
+            m & is_kind(LightReader<false>(tables_.lights.data(), index).kind(), LightRecordKind::environment);
+        if (none(environment)) return m;
+        return m & (!environment | (environment_pdf(tables_, wi) > Float(least_caustic_density)));
+    }
+
     bool is_infinite(std::uint32_t light) const
     {
         return tables_.lights[light].kind == std::uint32_t(LightRecordKind::environment) ||
@@ -136,6 +146,9 @@ public:
     }
 
 private:
+    /// Ten times the density with which a diffuse surface samples its normal.
+    static constexpr float least_caustic_density = 10 * inv_pi;
+
     static Mask is_infinite(UInt kind, Mask m)
     {
         return m & (is_kind(kind, LightRecordKind::environment) | is_kind(kind, LightRecordKind::directional));

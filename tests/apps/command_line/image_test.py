@@ -383,6 +383,27 @@ class Picture(CommandLine):
         self.ok(*common, "--samples", "6:8", "--caustics", "off", "-o", "c.exr", program=PROGRAM)
         self.refused(1, "merge", "all.exr", "c.exr", "-o", "x.exr", words=["c.exr", "light_paths is 0x0p+0"], program=PROGRAM)
 
+    def test_caustics_seen_through_glass(self):
+        """What light paths cannot show is named; photons show it, and their parts are not mixed with others."""
+        square = lambda material, y: {"material": material, "rectangle": {"corner": [-2, y, 2], "edge_u": [4, 0, 0], "edge_v": [0, 0, -4]}}
+        scene = {"fathom": 1, "camera": {"position": [0, 4, 0.1], "look_at": [0, 0, 0]},
+                 "materials": {"floor": {"kind": "diffuse"}, "water": {"kind": "glass", "ior": 1.33}},
+                 "lights": {"bulb": {"kind": "point", "position": [0, 2, 0], "intensity": 5}},
+                 "scene": [square("floor", 0), square("water", 0.5)]}
+        Path(self.path("pool.json")).write_text(json.dumps(scene))
+        warning = "caustics that are seen through glass or in mirrors are missing, about"
+        common = ["render", "pool.json", "--size", "16x12"]
+        for caustics, warned in [("auto", True), ("on", True), ("merged", False), ("off", False)]:
+            with self.subTest(caustics=caustics):
+                text = self.ok(*common, "--spp", "2", "--caustics", caustics, "-o", "x.exr", program=PROGRAM).stderr
+                self.assertEqual(warning in text, warned, text)
+        self.ok(*common, "--samples", "0:2", "--caustics", "merged", "-o", "a.exr", program=PROGRAM)
+        self.assertIn(b"fathom.merge_caustics\0string\0\2\0\0\0on", Path(self.path("a.exr")).read_bytes())
+        self.ok(*common, "--samples", "2:4", "--caustics", "merged", "-o", "b.exr", program=PROGRAM)
+        self.ok("merge", "a.exr", "b.exr", "-o", "all.exr", program=PROGRAM)
+        self.ok(*common, "--samples", "4:6", "--caustics", "on", "-o", "c.exr", program=PROGRAM)
+        self.refused(1, "merge", "all.exr", "c.exr", "-o", "x.exr", words=["c.exr", "light_paths is 0x1p-2, not 0x1p-2+merged"], program=PROGRAM)
+
     def test_caustics_of_small_lamps(self):
         """A million samples are worth a trial in scenes with smooth glass, and fewer or others are not."""
         lamp = {"material": "light", "rectangle": {"corner": [-0.05, 3, -0.05], "edge_u": [0.1, 0, 0], "edge_v": [0, 0, 0.1]}}
