@@ -78,10 +78,10 @@ struct RenderSettings {
     /// caustics, as some 240,000 light paths show first. 0 is path tracing alone. Without effect if light_sampling is
     /// false.
     double light_paths = 0;
-    /// Also gathers caustics that are seen through smooth glass or in mirrors, or over them, from photons that the
-    /// light paths leave on surfaces. Neither technique finds those of small lamps otherwise. This is the only setting
-    /// whose images are blurred by a radius, which shrinks with the sample index: they converge, but no finite number
-    /// of samples is free of bias. Without effect without light paths.
+    /// Also renders caustics that are seen through smooth glass or in mirrors, from photons that the light paths leave
+    /// on surfaces. Path tracing and light tracing do not find those of lamps without size. The image is biased:
+    /// caustics are blurred by a radius that shrinks with the sample index, so that it converges. Without effect
+    /// without light paths.
     bool merge_caustics = false;
     Filter filter = Filter::blackman_harris;  ///< Pixel filter.
     double filter_radius = 0;                 ///< Radius in pixels that `filter` is stretched to, at most

@@ -25,7 +25,7 @@ auto order_of(const CausticPhoton& p)
 std::uint32_t bucket_of(const CausticPhoton& p, float radius)
 {
     const float inverse_cell = 0.5f / radius;
-    // The same operations as in the kernel; adding 0 turns -0 into 0.
+    // CausticGathering finds cells by the same operations. Adding 0 turns -0 into +0, which has other bits.
     const auto cell = [&](float x) { return std::bit_cast<std::uint32_t>(std::floor(x * inverse_cell) + 0.f); };
     return caustic_cell_hash(cell(p.position.x), cell(p.position.y), cell(p.position.z), p.sample);
 }

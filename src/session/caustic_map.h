@@ -15,8 +15,8 @@ std::vector<CausticPhoton> trace_photons(const KernelScene& scene, const CameraR
 ///
 /// photons  of `samples` samples
 float first_caustic_radius(std::vector<CausticPhoton> photons, std::uint32_t samples, float fallback);
-/// The same from the photons of the first samples, as many as it takes to know their density. Runs in the caller's task
-/// arena.
+/// Computes this radius from the photons of the first samples; traces as many samples as it takes to know their
+/// density. Runs in the caller's task arena.
 float first_caustic_radius(const KernelScene& scene, const CameraRecord& camera, const KernelSettings& settings,
                            float ball_radius);
 

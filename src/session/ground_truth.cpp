@@ -4,13 +4,13 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
 
 #include <fmt/format.h>
 #include <tbb/parallel_for.h>
 
 #include "fathom/error.h"
 #include "kernel/kernel.h"
+#include "session/image_place.h"
 #include "session/job.h"
 #include "session/objects_of_shapes.h"
 #include "session/thread_arena.h"
@@ -54,23 +54,8 @@ public:
     bool is_equal_area() const { return record_.equal_area; }
     float time() const { return 0.5f * (record_.shutter_open + record_.shutter_close); }
 
-    /// Position of a point of render space in the image, in pixels; NaN behind the camera.
-    std::array<double, 2> pixel(Vec3d p) const
-    {
-        constexpr double nan = std::numeric_limits<double>::quiet_NaN();
-        const Vec3d to = p - position_;
-        const double x = dot(to, right_), y = dot(to, up_), z = dot(to, forward_);
-        if (record_.spherical) {
-            const double phi = std::atan2(-x, -z) / (2 * std::numbers::pi);
-            const double theta = std::acos(std::clamp(y / length(to), -1.0, 1.0));
-            return {(phi - std::floor(phi)) * width_, theta / std::numbers::pi * height_};
-        }
-        if (!(z > 0)) return {nan, nan};
-        const double scale = record_.orthographic ? 1 : 1 / z;
-        const double sx = (x * scale - record_.shift_right) / record_.half_width;
-        const double sy = (y * scale - record_.shift_up) / record_.half_height;
-        return {(0.5 + 0.5 * sx) * width_, (0.5 - 0.5 * sy) * height_};
-    }
+    /// image_place() of a point of render space.
+    std::array<double, 2> pixel(const Vec3d& p) const { return image_place(record_, width_, height_, p); }
     /// Flow along a row of an equirectangular image takes the shorter way around.
     double shorter_way(double dx) const { return record_.spherical ? dx - width_ * std::round(dx / width_) : dx; }
 

@@ -10,7 +10,6 @@
 #include <fmt/format.h>
 #include <tbb/enumerable_thread_specific.h>
 #include <tbb/parallel_for.h>
-#include <tbb/spin_mutex.h>
 
 #include "fathom/error.h"
 #include "fathom/memory.h"
@@ -24,6 +23,7 @@
 #include "session/light_targets.h"
 #include "session/light_trial.h"
 #include "session/photon_trial.h"
+#include "session/splat_adder.h"
 #include "session/thread_arena.h"
 #include "session/tiles.h"
 
@@ -152,55 +152,6 @@ void add_probes_to_words(const Worker& worker, const Probe* probes, const Film::
         for (int c = 0; c < 3; ++c) ExactSum::add_number(sum_of(slow.pixel, c), slow.value[c]);
 }
 
-/// Adds splats to `words`, the sums of a whole image, from several threads at once: sums do not depend on the order.
-class SplatAdder {
-public:
-    SplatAdder(const Film::Data& film, Crop crop, std::uint32_t* words) : film_(film), crop_(crop), words_(words) {}
-
-    /// Adds the splats of a worker. Those with a value that is not finite are dropped; the worker counts them.
-    void add(Worker& worker)
-    {
-        const std::vector<LightSplat>& splats = worker.light.splats;
-        for (std::size_t i = 0; i < splats.size(); ++i) {
-            // Splats fall on pixels at random, which are far apart in memory.
-            if (i + fetched_ahead < splats.size()) {
-                std::uint32_t* const ahead = sums_of(index_of(splats[i + fetched_ahead]));
-                __builtin_prefetch(ahead + film_.layout.splats, 1);
-                __builtin_prefetch(film_.layout.splat_square(ahead, 2), 1);
-            }
-            const LightSplat& splat = splats[i];
-            const int x = int(splat.pixel & 0xffff), y = int(splat.pixel >> 16);
-            if (x < crop_.x0 || x >= crop_.x1 || y < crop_.y0 || y >= crop_.y1) continue;
-            const std::size_t index = index_of(splat);
-            std::uint32_t* const pixel = sums_of(index);
-            if (!std::isfinite(splat.value[0] + splat.value[1] + splat.value[2])) {
-                ++worker.dropped;
-                continue;
-            }
-            const tbb::spin_mutex::scoped_lock lock(locks_[index % locks_.size()]);
-            for (int c = 0; c < 3; ++c) {
-                const double value = splat.value[c];
-                ExactSum::add_number(other_sum(pixel, film_.layout.splats + c), value);
-                ExactSquareSum::add_number(film_.layout.splat_square(pixel, c), value * value);
-            }
-        }
-    }
-
-private:
-    static constexpr std::size_t fetched_ahead = 16;
-
-    std::size_t index_of(const LightSplat& splat) const
-    {
-        return std::size_t(splat.pixel >> 16) * std::size_t(film_.width) + (splat.pixel & 0xffff);
-    }
-    std::uint32_t* sums_of(std::size_t index) const { return words_ + index * std::size_t(film_.layout.words); }
-
-    const Film::Data& film_;
-    const Crop crop_;
-    std::uint32_t* const words_;
-    std::array<tbb::spin_mutex, 1024> locks_;
-};
-
 void check_range(SampleRange range)
 {
     if (range.first > range.second)
@@ -325,7 +276,8 @@ public:
         if (kernel_.light_paths == 0) return;
         SplatAdder adder(film_, crop_, words);
         const auto add = [&](Worker& worker) {
-            worker.measured(RenderStage::film, kernel_.measure, [&] { adder.add(worker); });
+            worker.measured(RenderStage::film, kernel_.measure,
+                            [&] { worker.dropped += adder.add(worker.light.splats); });
             worker.light.splats.clear();
         };
         if (!gathers_) return trace_light(range, kernel_, &Worker::light, add, stop);

@@ -2,9 +2,10 @@
 #include "session/seen_photons.h"
 
 #include <algorithm>
-#include <cmath>
 #include <numbers>
 #include <optional>
+
+#include "session/image_place.h"
 
 namespace fathom {
 
@@ -16,54 +17,32 @@ struct SeenPlace {
     double pixels_per_area;  ///< for a surface that faces the camera
 };
 
-/// Sees points through a camera without its lens; a spherical camera sees all of them in one pixel, whose brightness
-/// stands for that of the image.
-class PointCamera {
-public:
-    PointCamera(const CameraRecord& camera, const TrialImage& image)
-        : camera_(camera), width_(image.settings.width), height_(image.settings.height)
-    {
-    }
-
-    std::optional<SeenPlace> see(const Vec3f& p) const
-    {
-        const double x = along(camera_.right, p), y = along(camera_.up, p), z = along(camera_.forward, p);
-        const double pixels = double(width_) * height_, distance2 = x * x + y * y + z * z;
-        if (!(distance2 > 0)) return {};
-        if (camera_.spherical) return SeenPlace{0, pixels / (4 * std::numbers::pi * distance2)};
-        const double depth = camera_.orthographic ? 1 : z;
-        if (!(z > 0)) return {};
-        const double u = (x / depth - double(camera_.shift_right)) / double(camera_.half_width),
-                     v = (y / depth - double(camera_.shift_up)) / double(camera_.half_height);
-        if (!(std::fabs(u) < 1 && std::fabs(v) < 1)) return {};
-        const auto pixel = [](double at, int size) { return std::uint32_t(std::min(int(at * size), size - 1)); };
-        const double area = 4 * double(camera_.half_width) * double(camera_.half_height) * depth * depth;
-        return SeenPlace{pixel((1 - v) / 2, height_) << 16 | pixel((u + 1) / 2, width_), pixels / area};
-    }
-
-private:
-    double along(const float (&axis)[3], const Vec3f& p) const
-    {
-        const float at[3] = {p.x, p.y, p.z};
-        double sum = 0;
-        for (int k = 0; k < 3; ++k) sum += double(axis[k]) * (double(at[k]) - double(camera_.position[k]));
-        return sum;
-    }
-
-    const CameraRecord& camera_;
-    const int width_, height_;
-};
+/// Place of a point within the image; none outside of it. A spherical camera sees all points in one pixel, whose
+/// brightness stands for that of the image.
+std::optional<SeenPlace> see(const CameraRecord& camera, int width, int height, const Vec3d& p)
+{
+    const Vec3d to = p - Vec3d{camera.position[0], camera.position[1], camera.position[2]};
+    const double pixels = double(width) * height, distance2 = dot(to, to);
+    if (!(distance2 > 0)) return {};
+    if (camera.spherical) return SeenPlace{0, pixels / (4 * std::numbers::pi * distance2)};
+    const auto [x, y] = image_place(camera, width, height, p);
+    if (!(x > 0 && x < width && y > 0 && y < height)) return {};
+    const double depth = camera.orthographic ? 1 : dot(to, {camera.forward[0], camera.forward[1], camera.forward[2]});
+    const double area = 4 * double(camera.half_width) * double(camera.half_height) * depth * depth;
+    return SeenPlace{std::uint32_t(y) << 16 | std::uint32_t(x), pixels / area};
+}
 
 }  // namespace
 
 void add_seen_photons(LightSamples& samples, const CameraRecord& camera, const TrialImage& image)
 {
-    const PointCamera view(camera, image);
     for (LightPathResults& job : samples.jobs)
         for (const CausticPhoton& photon : job.photons) {
-            const std::optional<SeenPlace> place = view.see(photon.position);
+            const Vec3f& p = photon.position;
+            const std::optional<SeenPlace> place =
+                see(camera, image.settings.width, image.settings.height, {p.x, p.y, p.z});
             if (!place) continue;
-            // Of a white diffuse surface.
+            // The BRDF of a white diffuse surface is 1 / pi.
             const auto scale = float(place->pixels_per_area / std::numbers::pi);
             job.splats.push_back({place->pixel,
                                   {photon.power.x * scale, photon.power.y * scale, photon.power.z * scale},
